@@ -1,0 +1,1 @@
+"""From raw sensor images to posed, registered keyframes."""

@@ -1,0 +1,1 @@
+"""Voxels, superpoints and instances from posed frames with 2D segments."""

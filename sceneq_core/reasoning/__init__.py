@@ -1,0 +1,1 @@
+"""Slower, better answers over a few candidates."""

@@ -1,0 +1,1 @@
+"""Class-agnostic 2D segments of one frame."""

@@ -1,0 +1,1 @@
+"""Which keyframes show an instance best, and the images they need."""

@@ -1,0 +1,1 @@
+"""What flows between Scene-Q processes: message types, their codec and the table of keys."""

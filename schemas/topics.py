@@ -1,0 +1,137 @@
+"""The one table of keys: who writes what, where, how it is delivered and how often."""
+
+import re
+from dataclasses import dataclass
+from enum import Enum
+
+from sceneq_schemas.feature import FeatureDelta
+from sceneq_schemas.frame import Frame, Pose
+from sceneq_schemas.map import MapDelta
+from sceneq_schemas.mask import Masks
+from sceneq_schemas.view import ViewDelta
+
+ID = re.compile(r"[a-z0-9_-]+")
+MIB = 1024 * 1024
+
+
+class Delivery(Enum):
+    """How a topic travels. No class blocks its writer."""
+
+    LATEST = "latest wins: dropped when the reader is slow, the newest are kept"
+    STATE = "epoch and seq in every message: a gap is seen and healed from the snapshot"
+    QUERY = "request and reply, interactive priority, express"
+    BACKGROUND = "small and periodic, lowest priority"
+    LIVELINESS = "token that exists as long as the process"
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A key pattern such as ``sceneq/mask/{scene}/v1`` with the type and delivery of its data."""
+
+    name: str
+    pattern: str
+    writer: str
+    delivery: Delivery
+    rate_hz: float
+    max_bytes: int
+    message: type | None = None
+
+    @property
+    def encoding(self) -> str:
+        """The zenoh encoding; it names the schema."""
+        if self.message is None:
+            return f"application/json;sceneq.{self.name}.v1"
+        return f"application/msgpack;{self.message.SCHEMA}"  # type: ignore[attr-defined]
+
+    def key(self, **ids: str) -> str:
+        """Return the concrete key; raise ``ValueError`` on an id outside ``[a-z0-9_-]+``."""
+        for name, value in ids.items():
+            if not ID.fullmatch(value):
+                raise ValueError(f"{self.name}: {name} {value!r} must match {ID.pattern}")
+        return self.pattern.format(**ids)
+
+    def selector(self, **ids: str) -> str:
+        """Return the key with ``*`` for every id not given."""
+        return self.pattern.format_map(_Wild(ids))
+
+    def ids(self, key: str) -> dict[str, str] | None:
+        """Return the ids in a concrete key, or ``None`` when the key is not of this topic."""
+        escaped = re.escape(self.pattern).replace(r"\{", "{").replace(r"\}", "}")
+        match = re.fullmatch(re.sub(r"\{(\w+)\}", r"(?P<\1>[^/*]+)", escaped), key)
+        return match.groupdict() if match else None
+
+
+class _Wild(dict[str, str]):
+    def __missing__(self, name: str) -> str:
+        return "*"
+
+
+_L, _S, _Q, _B = Delivery.LATEST, Delivery.STATE, Delivery.QUERY, Delivery.BACKGROUND
+
+FRAME = Topic("frame", "sceneq/frame/{robot}/{sensor}/v1", "ingest", _L, 3, 32 * MIB, Frame)
+POSE = Topic("pose", "sceneq/pose/{robot}/v1", "ingest", _L, 30, 4096, Pose)
+MASK = Topic("mask", "sceneq/mask/{scene}/v1", "segmentation", _L, 3, 32 * MIB, Masks)
+MAP_DELTA = Topic("map_delta", "sceneq/map/{scene}/delta/v1", "mapping", _S, 3, 64 * MIB, MapDelta)
+MAP_SNAPSHOT = Topic(
+    "map_snapshot", "sceneq/map/{scene}/@snapshot/v1", "mapping", _Q, 0, 256 * MIB, MapDelta
+)
+VIEW_DELTA = Topic(
+    "view_delta", "sceneq/view/{scene}/delta/v1", "views", _S, 3, 32 * MIB, ViewDelta
+)
+VIEW_SNAPSHOT = Topic(
+    "view_snapshot", "sceneq/view/{scene}/@snapshot/v1", "views", _Q, 0, 64 * MIB, ViewDelta
+)
+VIEW_IMAGE = Topic("view_image", "sceneq/view/{scene}/@image/v1", "views", _Q, 0, 8 * MIB)
+FEATURE_DELTA = Topic(
+    "feature_delta",
+    "sceneq/feat/{scene}/{model}/delta/v1",
+    "encoding",
+    _S,
+    3,
+    32 * MIB,
+    FeatureDelta,
+)
+FEATURE_SNAPSHOT = Topic(
+    "feature_snapshot",
+    "sceneq/feat/{scene}/{model}/@snapshot/v1",
+    "encoding",
+    _Q,
+    0,
+    64 * MIB,
+    FeatureDelta,
+)
+REASON = Topic("reason", "sceneq/reason/{scene}/v1", "reasoning", _Q, 0, MIB)
+QUERY_INSTANCES = Topic("answer", "sceneq/query/{scene}/instances", "routing", _Q, 0, MIB)
+QUERY_ASK = Topic("answer", "sceneq/query/{scene}/ask", "routing", _Q, 0, MIB)
+QUERY_LABEL = Topic("label", "sceneq/query/{scene}/label", "routing", _Q, 0, MIB)
+QUERY_STATUS = Topic("status", "sceneq/query/{scene}/status", "routing", _Q, 0, MIB)
+QUERY_LABELS = Topic("labels", "sceneq/query/{scene}/labels", "routing", _Q, 0, MIB)
+QUERY_LAST = Topic("last", "sceneq/query/{scene}/last", "routing", _Q, 0, MIB)
+HEALTH = Topic("health", "sceneq/health/{node}", "every node", _B, 1, 64 * 1024)
+METRIC = Topic("metric", "sceneq/metric/{node}", "every node", _B, 1, 64 * 1024)
+CONTROL = Topic("control", "sceneq/ctl/{node}/{verb}", "every node", _Q, 0, 64 * 1024)
+LIVE = Topic("live", "sceneq/@live/{node}/{id}", "every node", Delivery.LIVELINESS, 0, 0)
+
+TOPICS = (
+    FRAME,
+    POSE,
+    MASK,
+    MAP_DELTA,
+    MAP_SNAPSHOT,
+    VIEW_DELTA,
+    VIEW_SNAPSHOT,
+    VIEW_IMAGE,
+    FEATURE_DELTA,
+    FEATURE_SNAPSHOT,
+    REASON,
+    QUERY_INSTANCES,
+    QUERY_ASK,
+    QUERY_LABEL,
+    QUERY_STATUS,
+    QUERY_LABELS,
+    QUERY_LAST,
+    HEALTH,
+    METRIC,
+    CONTROL,
+    LIVE,
+)

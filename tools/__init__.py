@@ -1,0 +1,1 @@
+"""The `sceneq` command: everything a person types."""
