@@ -1,4 +1,4 @@
-"""Arrays on the wire: ``{"dt": "<u2", "sh": [480, 640], "b": bytes}``, checked before allocation."""
+"""Arrays on the wire: ``{"dt": "<u2", "sh": [480, 640], "b": ...}``, checked before allocation."""
 
 import math
 from dataclasses import dataclass
@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
 from sceneq_schemas.errors import DecodeError
 
 Array = npt.NDArray[Any]

@@ -7,11 +7,10 @@ fields with defaults; a change of meaning takes a new ``VERSION`` and with it a 
 import types
 from collections.abc import Callable
 from dataclasses import MISSING, fields, is_dataclass
-from functools import lru_cache
+from functools import cache
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import msgpack
-
 from sceneq_schemas.arrays import ArraySpec, pack_array, unpack_array
 from sceneq_schemas.errors import DecodeError
 
@@ -88,7 +87,7 @@ class _ClassCodec:
         )
 
 
-@lru_cache(maxsize=None)
+@cache
 def _class_codec(cls: type) -> _ClassCodec:
     return _ClassCodec(cls)
 
