@@ -1,0 +1,62 @@
+"""Which implementations stand behind each seam, and how one is built from ``{kind: ..., ...}``.
+
+Every backend class has a frozen ``Params`` dataclass as class attribute and takes one instance of
+it. Third parties add kinds by the entry-point group ``sceneq.<seam>``.
+"""
+
+import importlib
+from collections.abc import Mapping
+from importlib.metadata import entry_points
+from typing import Any
+
+from sceneq_nodes._params import ParamError, did_you_mean, validate
+
+BACKENDS: dict[str, dict[str, str]] = {
+    "source": {"folder": "sceneq_nodes._folder_source:FolderSource"},
+    "odometry": {"kiss_icp": "sceneq_core.ingest.odometry:KissIcpOdometry"},
+    "segmenter": {
+        "rgbd": "sceneq_core.segmentation.rgbd:RgbdSegmenter",
+        "files": "sceneq_nodes._files_segmenter:FilesSegmenter",
+    },
+    "encoder": {
+        "conse": "sceneq_nodes._conse_encoder:ConseEncoder",
+        "hash": "sceneq_core.encoding.hash:HashEncoder",
+    },
+    "reasoner": {"geometric": "sceneq_core.reasoning.geometric:GeometricReasoner"},
+}
+
+
+def build(seam: str, spec: Mapping[str, Any], path: tuple[str | int, ...] = ()) -> Any:
+    """Return the backend that ``spec`` names, its other keys validated as its parameters.
+
+    Raises:
+        ParamError: no or unknown ``kind``, or a bad parameter.
+    """
+    cls, params = check(seam, spec, path)
+    return cls(params)
+
+
+def check(
+    seam: str, spec: Mapping[str, Any], path: tuple[str | int, ...] = ()
+) -> tuple[type[Any], Any]:
+    """Return the class and validated parameters of ``spec`` without building anything."""
+    if not isinstance(spec, Mapping) or "kind" not in spec:
+        raise ParamError((*path, "kind"), spec, "missing key", "add 'kind: ...'")
+    cls = load(seam, str(spec["kind"]), path)
+    return cls, validate(cls.Params, {k: v for k, v in spec.items() if k != "kind"}, path)
+
+
+def load(seam: str, kind: str, path: tuple[str | int, ...] = ()) -> type[Any]:
+    """Return the class behind ``kind``; ours first, then entry points."""
+    target = kinds(seam).get(kind)
+    if target is None:
+        raise ParamError((*path, "kind"), kind, f"unknown {seam}", did_you_mean(kind, kinds(seam)))
+    module, _, name = target.partition(":")
+    cls: type[Any] = getattr(importlib.import_module(module), name)
+    return cls
+
+
+def kinds(seam: str) -> dict[str, str]:
+    """Return every known kind of a seam with its ``module:Class``."""
+    plugins = {point.name: point.value for point in entry_points(group=f"sceneq.{seam}")}
+    return plugins | BACKENDS[seam]
