@@ -1,6 +1,6 @@
 """The seam between ingest and recordings, cameras or robots."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -16,27 +16,34 @@ class Camera:
 
 
 @dataclass(frozen=True, slots=True)
-class RawFrame:
-    """What a sensor delivered at one instant, before registration and odometry.
-
-    ``rgb`` uint8 (H, W, 3) in the colour camera; ``depth_mm`` uint16 (H, W) in the depth camera;
-    ``T_world_camera`` (4, 4) pose of the DEPTH camera's frame as the source gives it, or ``None``.
-    """
-
-    seq: int
-    stamp_ns: int
-    rgb: UInt8
-    depth_mm: UInt16
-    T_world_camera: Float64 | None
-
-
-@dataclass(frozen=True, slots=True)
 class Skipped:
     """A source frame that could not be used: what is wrong, and where."""
 
     seq: int
     where: str
     reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class RawFrame:
+    """What a sensor delivered at one instant, before registration and odometry.
+
+    Images are decoded on demand, for most frames of a posed stream never become keyframes.
+
+    Attributes:
+        seq: number of the frame, growing.
+        stamp_ns: capture time, nanoseconds.
+        T_world_camera: (4, 4) pose of the DEPTH camera as the source gives it, metres, or ``None``
+            when the source has no poses (then none of its frames has one).
+        read_rgb: returns uint8 (H, W, 3) RGB in the colour camera.
+        read_depth_mm: returns uint16 (H, W) millimetres in the depth camera, 0 = no measurement.
+    """
+
+    seq: int
+    stamp_ns: int
+    T_world_camera: Float64 | None
+    read_rgb: Callable[[], UInt8 | Skipped]
+    read_depth_mm: Callable[[], UInt16 | Skipped]
 
 
 class Source(Protocol):

@@ -1,0 +1,89 @@
+"""What the camera looks through is not there any more."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from sceneq_core.arrays import Float64, Int32
+from sceneq_core.frame import Frame
+from sceneq_core.mapping.cells import CELL_SIDE
+from sceneq_core.mapping.voxels import Voxels
+
+
+@dataclass(frozen=True, slots=True)
+class FreeSpaceParams:
+    """When a voxel counts as seen through, and when as gone.
+
+    The measured depth must lie behind the voxel by ``margin_m`` plus ``noise_per_m`` times the
+    squared range (depth noise of structured light and stereo grows so). A voxel is gone after
+    ``min_views`` keyframes that see through it with none in between that sees it.
+    """
+
+    margin_m: float = 0.06
+    noise_per_m: float = 0.01
+    min_views: int = 3
+    max_depth_m: float = 5.0
+
+    def __post_init__(self) -> None:
+        if self.margin_m <= 0.0:
+            raise ValueError(f"margin_m: must be positive, got {self.margin_m}")
+        if self.noise_per_m < 0.0:
+            raise ValueError(f"noise_per_m: must not be negative, got {self.noise_per_m}")
+        if not 1 <= self.min_views < 256:
+            raise ValueError(f"min_views: must be in 1..255, got {self.min_views}")
+        if self.max_depth_m <= 0.0:
+            raise ValueError(f"max_depth_m: must be positive, got {self.max_depth_m}")
+
+
+def clear_free_space(
+    voxels: Voxels, frame: Frame, touched_id: Int32, params: FreeSpaceParams
+) -> Int32:
+    """Empty the voxels that enough keyframes saw through; return their ids, sorted."""
+    inside = voxels.occupied(voxels.cells.voxels(_cells_in_view(voxels, frame, params)))
+    seen_through = inside[_seen_through(voxels.points_world(inside), frame, params)]
+    seen_through = seen_through[~np.isin(seen_through, touched_id)]
+    voxels.misses[seen_through] += 1
+    gone = np.sort(seen_through[voxels.misses[seen_through] >= params.min_views])
+    voxels.clear(gone)
+    return gone
+
+
+def _to_camera(points_world: Float64, frame: Frame) -> Float64:
+    rotation, translation = frame.T_world_camera[:3, :3], frame.T_world_camera[:3, 3]
+    return (points_world - translation) @ rotation
+
+
+def _cells_in_view(voxels: Voxels, frame: Frame, params: FreeSpaceParams) -> Int32:
+    """Return the cells whose bounding sphere reaches into the camera's cone and range."""
+    radius = CELL_SIDE * voxels.voxel_size_m * np.sqrt(3.0) / 2.0
+    centre = _to_camera(voxels.cells.centres_world(voxels.voxel_size_m), frame)
+    height, width = frame.depth_m.shape
+    z = centre[:, 2]
+    near = np.maximum(z, 0.0)
+    visible = (z > -radius) & (z < params.max_depth_m + radius)
+    for axis, length in ((0, width), (1, height)):
+        f, c = frame.K[axis, axis], frame.K[axis, 2]
+        # The margin in metres over the tangent plane of the image edge, exact for a sphere.
+        low, high = c / f, (length - c) / f
+        visible &= centre[:, axis] > -near * low - radius * np.hypot(1.0, low)
+        visible &= centre[:, axis] < near * high + radius * np.hypot(1.0, high)
+    return np.flatnonzero(visible).astype(np.int32)
+
+
+def _seen_through(points_world: Float64, frame: Frame, params: FreeSpaceParams) -> Int32:
+    """Return the rows whose pixel measures, with all its neighbours, a surface far behind."""
+    # The nearest depth around a pixel: at silhouettes and holes (0) nothing is called free.
+    nearest_m = cv2.erode(frame.depth_m, np.ones((3, 3), np.uint8))
+    points_camera = _to_camera(points_world, frame)
+    z = points_camera[:, 2]
+    row = np.flatnonzero((z > 0.05) & (z < params.max_depth_m))
+    z = z[row]
+    column_px = np.rint(points_camera[row, 0] / z * frame.K[0, 0] + frame.K[0, 2])
+    row_px = np.rint(points_camera[row, 1] / z * frame.K[1, 1] + frame.K[1, 2])
+    height, width = nearest_m.shape
+    inside = (column_px >= 0) & (column_px < width) & (row_px >= 0) & (row_px < height)
+    row, z = row[inside], z[inside]
+    measured = nearest_m[row_px[inside].astype(np.intp), column_px[inside].astype(np.intp)]
+    through = measured > z + params.margin_m + params.noise_per_m * z * z
+    return row[through].astype(np.int32)

@@ -1,0 +1,177 @@
+"""A reader's copy of the map, kept up to date by deltas."""
+
+import numpy as np
+
+from sceneq_core.arrays import Array, Bool, Float32, Int32, UInt8
+from sceneq_core.mapping.delta import Instance, MapDelta
+
+MAX_VOXELS = 1 << 26
+NO_SUPERPOINT = -1
+
+
+class MapReplica:
+    """The map as its deltas tell it: voxel columns indexed by voxel id, instances by id.
+
+    Attributes:
+        instances: every active instance by id.
+        frame_seq: the newest frame in the map, -1 before the first.
+        stamp_ns: capture time of that frame, nanoseconds.
+    """
+
+    def __init__(self) -> None:
+        self._clear()
+
+    def apply(self, delta: MapDelta) -> None:
+        """Take over ``delta``; one with ``full`` replaces everything.
+
+        Raises:
+            ValueError: columns of different length, ids out of range; the replica is unchanged.
+        """
+        _check(delta, 0 if delta.full else self.voxel_count)
+        if delta.full:
+            self._clear()
+        self._write_voxels(delta)
+        self._alive[delta.removed_voxel_id] = False
+        for instance in delta.instances:
+            self._write_instance(instance)
+        self.frame_seq, self.stamp_ns = delta.frame_seq, delta.stamp_ns
+
+    @property
+    def voxel_count(self) -> int:
+        """Number of voxel ids in use so far, dead ones included."""
+        return self._count
+
+    @property
+    def voxel_coord(self) -> Int32:
+        """Grid coordinates, int32 (N, 3), by voxel id."""
+        return self._voxel_coord[: self._count]
+
+    @property
+    def points_world(self) -> Float32:
+        """Mean positions in metres, float32 (N, 3), by voxel id."""
+        return self._points_world[: self._count]
+
+    @property
+    def rgb(self) -> UInt8:
+        """Mean colours, uint8 (N, 3), by voxel id."""
+        return self._rgb[: self._count]
+
+    @property
+    def superpoint_id(self) -> Int32:
+        """Superpoint of each voxel, int32 (N,), -1 = none."""
+        return self._superpoint_id[: self._count]
+
+    @property
+    def alive(self) -> Bool:
+        """Whether each voxel id is still part of the map, bool (N,)."""
+        return self._alive[: self._count]
+
+    def instance_of_superpoint(self) -> Int32:
+        """Return the instance of each superpoint id, int32 (S,), 0 = none."""
+        return self._instance_of_superpoint.copy()
+
+    def instance_of_voxel(self) -> Int32:
+        """Return the instance of each voxel id, int32 (N,), 0 = none or dead."""
+        return lookup_instance(self._instance_of_superpoint, self.superpoint_id) * self.alive
+
+    def cloud(self) -> tuple[Float32, UInt8, Int32]:
+        """Return points_world (M, 3), rgb (M, 3), instance_id (M,) of the living voxels.
+
+        Sorted by voxel coordinate, so that equal maps give equal bytes.
+        """
+        living = np.flatnonzero(self.alive)
+        x, y, z = self.voxel_coord[living].T
+        order = living[np.lexsort((z, y, x))]
+        return self.points_world[order], self.rgb[order], self.instance_of_voxel()[order]
+
+    def _clear(self) -> None:
+        self._count = 0
+        self._voxel_coord = np.zeros((0, 3), np.int32)
+        self._points_world = np.zeros((0, 3), np.float32)
+        self._rgb = np.zeros((0, 3), np.uint8)
+        self._superpoint_id = np.zeros(0, np.int32)
+        self._alive = np.zeros(0, np.bool_)
+        self._instance_of_superpoint = np.zeros(0, np.int32)
+        self.instances: dict[int, Instance] = {}
+        self.frame_seq, self.stamp_ns = -1, 0
+        self.voxel_size_m = 0.0
+        self.up_world = np.zeros(3)
+
+    def _write_voxels(self, delta: MapDelta) -> None:
+        self.voxel_size_m, self.up_world = delta.voxel_size_m, delta.up_world
+        ids = delta.voxel_id
+        if not len(ids):
+            return
+        self._reserve(int(ids.max()) + 1)
+        self._voxel_coord[ids] = delta.voxel_coord
+        self._points_world[ids] = delta.points_world
+        self._rgb[ids] = delta.rgb
+        self._superpoint_id[ids] = delta.superpoint_id
+        self._alive[ids] = True
+
+    def _reserve(self, count: int) -> None:
+        self._count = max(self._count, count)
+        if count <= len(self._alive):
+            return
+        capacity = max(2 * len(self._alive), count)
+        self._voxel_coord = _grown(self._voxel_coord, capacity, 0)
+        self._points_world = _grown(self._points_world, capacity, 0)
+        self._rgb = _grown(self._rgb, capacity, 0)
+        self._superpoint_id = _grown(self._superpoint_id, capacity, NO_SUPERPOINT)
+        self._alive = _grown(self._alive, capacity, False)
+
+    def _write_instance(self, instance: Instance) -> None:
+        owned = self._instance_of_superpoint
+        owned[owned == instance.instance_id] = 0
+        self.instances.pop(instance.instance_id, None)
+        if instance.state != "active":
+            return
+        self.instances[instance.instance_id] = instance
+        if len(instance.superpoint_id):
+            needed = int(instance.superpoint_id.max()) + 1
+            if needed > len(owned):
+                owned = _grown(owned, max(2 * len(owned), needed), 0)
+            owned[instance.superpoint_id] = instance.instance_id
+            self._instance_of_superpoint = owned
+
+
+def lookup_instance(instance_of_superpoint: Int32, superpoint_id: Int32) -> Int32:
+    """Return the instance of each superpoint id, int32 of the same shape, 0 = none.
+
+    Ids of -1 and ids that no instance ever named have no instance.
+    """
+    table = np.append(instance_of_superpoint, np.int32(0))
+    last = len(table) - 1
+    known = (superpoint_id >= 0) & (superpoint_id < last)
+    found: Int32 = table[np.where(known, superpoint_id, last)]
+    return found
+
+
+def _grown(array: Array, capacity: int, fill: int | bool) -> Array:
+    """Return a copy of ``array`` with ``capacity`` rows, the new ones filled with ``fill``."""
+    larger = np.full((capacity, *array.shape[1:]), fill, array.dtype)
+    larger[: len(array)] = array
+    return larger
+
+
+_COLUMNS = ("voxel_id", "voxel_coord", "points_world", "rgb", "superpoint_id")
+
+
+def _check(delta: MapDelta, known_voxels: int) -> None:
+    """Raise ``ValueError`` unless the columns of ``delta`` agree and its ids are in range."""
+    rows = {name: len(getattr(delta, name)) for name in _COLUMNS}
+    if len(set(rows.values())) > 1:
+        raise ValueError(f"map delta: columns of different length: {rows}")
+    _check_ids("voxel_id", delta.voxel_id, 0, MAX_VOXELS)
+    _check_ids("superpoint_id", delta.superpoint_id, NO_SUPERPOINT, MAX_VOXELS)
+    voxels = max(known_voxels, int(delta.voxel_id.max(initial=-1)) + 1)
+    _check_ids("removed_voxel_id", delta.removed_voxel_id, 0, voxels)
+    for instance in delta.instances:
+        if instance.instance_id <= 0 or instance.state not in ("active", "removed"):
+            raise ValueError(f"map delta: instance {instance.instance_id} is {instance.state!r}")
+        _check_ids("instance.superpoint_id", instance.superpoint_id, 0, MAX_VOXELS)
+
+
+def _check_ids(field: str, ids: Int32, low: int, high: int) -> None:
+    if len(ids) and not (low <= int(ids.min()) and int(ids.max()) < high):
+        raise ValueError(f"map delta: {field} {ids.min()}..{ids.max()} outside {low}..{high - 1}")

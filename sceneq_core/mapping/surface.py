@@ -1,0 +1,135 @@
+"""The surface that one frame measures: points with normals, colours and weights."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from sceneq_core.arrays import Bool, Float32, Float64, Int32, UInt8
+from sceneq_core.frame import Frame
+
+
+@dataclass(frozen=True, slots=True)
+class SurfaceParams:
+    """Which pixels become surface points.
+
+    ``stride_px`` keeps every n-th row and column; ``min_depth_m`` and ``max_depth_m`` bound the
+    range of the sensor; ``normal_radius_px`` is the half window of the plane fit behind a normal,
+    in kept pixels; ``max_jump_per_m`` is the relative depth step to a neighbour from which a
+    pixel counts as mixed foreground and background; ``min_cosine`` refuses grazing views. A depth
+    is replaced by the mean of its window when they differ by less than ``max_smooth_per_m``.
+    """
+
+    stride_px: int = 2
+    min_depth_m: float = 0.2
+    max_depth_m: float = 6.0
+    normal_radius_px: int = 2
+    max_jump_per_m: float = 0.05
+    max_smooth_per_m: float = 0.02
+    min_cosine: float = 0.12
+
+    def __post_init__(self) -> None:
+        if self.stride_px < 1:
+            raise ValueError(f"stride_px: must be at least 1, got {self.stride_px}")
+        if not 0.0 < self.min_depth_m < self.max_depth_m:
+            raise ValueError(f"max_depth_m: must exceed min_depth_m > 0, got {self.max_depth_m}")
+        if self.normal_radius_px < 1:
+            raise ValueError(f"normal_radius_px: must be at least 1, got {self.normal_radius_px}")
+        if self.max_jump_per_m <= 0.0:
+            raise ValueError(f"max_jump_per_m: must be positive, got {self.max_jump_per_m}")
+        if self.max_smooth_per_m < 0.0:
+            raise ValueError(f"max_smooth_per_m: must not be negative, got {self.max_smooth_per_m}")
+        if not 0.0 < self.min_cosine < 1.0:
+            raise ValueError(f"min_cosine: must be between 0 and 1, got {self.min_cosine}")
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """N parallel rows: ``points_world`` and ``normals_world`` float64 (N, 3), ``rgb`` uint8 (N, 3).
+
+    ``weight`` float64 (N,) is the relative trust in a point; ``row`` and ``column`` int32 (N,) are
+    the full-resolution pixel that measured it. Normals point towards the camera.
+    """
+
+    points_world: Float64
+    normals_world: Float64
+    rgb: UInt8
+    weight: Float64
+    row: Int32
+    column: Int32
+
+
+def measure_surface(frame: Frame, params: SurfaceParams) -> Surface:
+    """Back-project ``frame`` and leave out flying pixels, grazing views and far measurements."""
+    stride = params.stride_px
+    depth_m = np.ascontiguousarray(frame.depth_m[::stride, ::stride])
+    x, y = _ray_grid(frame, stride)
+    valid = (depth_m > params.min_depth_m) & (depth_m < params.max_depth_m)
+    filled, mean = _smoothed_inverse(depth_m, valid, params.normal_radius_px)
+    normals, cosine = _normals(filled, mean, x, y, params.normal_radius_px)
+    keep = valid & (cosine > params.min_cosine) & ~_mixed(depth_m, params.max_jump_per_m)
+    row, column = np.nonzero(keep)
+    z = _smoothed(depth_m[keep], mean[keep], params.max_smooth_per_m)
+    points_camera = np.stack((x[column] * z, y[row] * z, z), axis=1)
+    rotation, translation = frame.T_world_camera[:3, :3], frame.T_world_camera[:3, 3]
+    return Surface(
+        points_world=points_camera @ rotation.T + translation,
+        normals_world=normals[keep].astype(np.float64) @ rotation.T,
+        rgb=frame.rgb[row * stride, column * stride],
+        weight=cosine[keep] / (z * z),
+        row=(row * stride).astype(np.int32),
+        column=(column * stride).astype(np.int32),
+    )
+
+
+def _ray_grid(frame: Frame, stride: int) -> tuple[Float64, Float64]:
+    """Return x / z of every kept column and y / z of every kept row."""
+    height, width = frame.depth_m.shape
+    K = frame.K
+    x = (np.arange(0, width, stride) - K[0, 2]) / K[0, 0]
+    y = (np.arange(0, height, stride) - K[1, 2]) / K[1, 1]
+    return x, y
+
+
+def _mixed(depth_m: Float32, max_jump_per_m: float) -> Bool:
+    """Tell which pixels lie on a depth edge, where sensors interpolate between two surfaces."""
+    kernel = np.ones((3, 3), np.uint8)
+    nearest = cv2.erode(np.where(depth_m > 0, depth_m, np.float32(np.inf)), kernel)
+    farthest = cv2.dilate(depth_m, kernel)
+    return np.asarray(farthest - nearest > max_jump_per_m * depth_m)
+
+
+def _smoothed_inverse(depth_m: Float32, valid: Bool, radius: int) -> tuple[Float32, Float32]:
+    """Return the inverse depth with holes filled, and its mean over the window (1/m)."""
+    inverse = np.where(valid, 1.0 / np.maximum(depth_m, 1e-3), 0.0).astype(np.float32)
+    size = (2 * radius + 1, 2 * radius + 1)
+    share = cv2.blur(valid.astype(np.float32), size)
+    mean = cv2.blur(inverse, size) / np.maximum(share, np.float32(1e-6))
+    return np.where(valid, inverse, mean), mean
+
+
+def _smoothed(depth_m: Float32, mean_inverse: Float32, max_smooth_per_m: float) -> Float64:
+    """Return the depth of the window where it is one surface, else the measured depth."""
+    z = depth_m.astype(np.float64)
+    mean_m = 1.0 / mean_inverse.astype(np.float64)
+    return np.where(np.abs(mean_m - z) < max_smooth_per_m * z, mean_m, z)
+
+
+def _normals(
+    filled: Float32, mean: Float32, x: Float64, y: Float64, radius: int
+) -> tuple[Float32, Float32]:
+    """Return unit normals (H, W, 3) towards the camera and the cosine to the viewing ray (H, W).
+
+    The inverse depth of a plane is linear in the pixel, so its least-squares slope in a window is
+    the normal up to scale.
+    """
+    ramp = np.arange(-radius, radius + 1, dtype=np.float32)
+    ramp /= (ramp**2).sum()
+    box = np.full(2 * radius + 1, 1.0 / (2 * radius + 1), np.float32)
+    slope_x = cv2.sepFilter2D(filled, -1, ramp, box) / np.float32(x[1] - x[0])
+    slope_y = cv2.sepFilter2D(filled, -1, box, ramp) / np.float32(y[1] - y[0])
+    x32, y32 = x.astype(np.float32)[None, :], y.astype(np.float32)[:, None]
+    normal = np.stack((slope_x, slope_y, mean - x32 * slope_x - y32 * slope_y), axis=2)
+    length = np.maximum(np.sqrt((normal**2).sum(axis=2)), np.float32(1e-9))
+    ray_length = np.sqrt(1.0 + x32**2 + y32**2)
+    return -normal / length[:, :, None], mean / (length * ray_length)

@@ -1,0 +1,104 @@
+"""The surface of the scene as running means in small cubes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sceneq_core.arrays import Float32, Float64, Int32, UInt8
+from sceneq_core.mapping.cells import Cells
+from sceneq_core.mapping.growing import with_rows
+from sceneq_core.mapping.surface import Surface
+from sceneq_core.mapping.voxel_index import VoxelIndex, pack_coord, unpack_coord
+
+_POSITION, _NORMAL, _COLOUR, _WEIGHT = slice(0, 3), slice(3, 6), slice(6, 9), 9
+
+
+@dataclass(frozen=True, slots=True)
+class Touched:
+    """The voxels one surface fell into: ``voxel_id`` (M,) distinct, ``of_point`` row per point."""
+
+    voxel_id: Int32
+    of_point: Int32
+
+
+class Voxels:
+    """Weighted sums per voxel; a voxel without weight is empty but keeps its id.
+
+    Because only sums are kept, the order in which surfaces arrive does not matter.
+    """
+
+    def __init__(self, voxel_size_m: float) -> None:
+        self.voxel_size_m = voxel_size_m
+        self.cells = Cells()
+        self._index = VoxelIndex()
+        self._coord = np.zeros((0, 3), np.int32)
+        self._sums = np.zeros((0, 10), np.float64)
+        self.misses = np.zeros(0, np.uint8)
+
+    def __len__(self) -> int:
+        """Return the number of ids given so far, empty voxels included."""
+        return len(self._index)
+
+    def integrate(self, surface: Surface) -> Touched:
+        """Add every point of ``surface`` to its voxel."""
+        coord = np.floor(surface.points_world / self.voxel_size_m).astype(np.int32)
+        key, of_point = np.unique(pack_coord(coord), return_inverse=True)
+        voxel_id = self._enter(unpack_coord(key))
+        self._sums[voxel_id] += _sums_per_voxel(surface, of_point, len(key))
+        self.misses[voxel_id] = 0
+        return Touched(voxel_id, of_point.astype(np.int32))
+
+    def clear(self, voxel_id: Int32) -> None:
+        """Forget what these voxels hold: the space is free."""
+        self._sums[voxel_id] = 0.0
+        self.misses[voxel_id] = 0
+
+    def occupied(self, voxel_id: Int32) -> Int32:
+        """Return those of ``voxel_id`` that hold a surface."""
+        return voxel_id[self._sums[voxel_id, _WEIGHT] > 0.0]
+
+    def coord(self, voxel_id: Int32) -> Int32:
+        """Return int32 (M, 3) = floor(p / voxel_size)."""
+        return self._coord[voxel_id]
+
+    def points_world(self, voxel_id: Int32) -> Float64:
+        """Return mean positions float64 (M, 3), metres."""
+        return self._mean(voxel_id, _POSITION)
+
+    def normals_world(self, voxel_id: Int32) -> Float64:
+        """Return unit normals float64 (M, 3); zero where views from both sides cancel out."""
+        total = self._sums[voxel_id, _NORMAL]
+        length = np.sqrt((total**2).sum(axis=1, keepdims=True))
+        return np.divide(total, length, out=np.zeros_like(total), where=length > 0)
+
+    def rgb(self, voxel_id: Int32) -> UInt8:
+        """Return mean colours uint8 (M, 3)."""
+        return np.rint(self._mean(voxel_id, _COLOUR)).astype(np.uint8)
+
+    def colours(self, voxel_id: Int32) -> Float32:
+        """Return mean colours float32 (M, 3) in 0..1."""
+        return (self._mean(voxel_id, _COLOUR) / 255.0).astype(np.float32)
+
+    def _mean(self, voxel_id: Int32, columns: slice) -> Float64:
+        sums = self._sums[voxel_id]
+        mean: Float64 = sums[:, columns] / sums[:, _WEIGHT, None]
+        return mean
+
+    def _enter(self, coord: Int32) -> Int32:
+        known = len(self)
+        voxel_id = self._index.insert(coord)
+        self._coord = with_rows(self._coord, len(self), 0)
+        self._sums = with_rows(self._sums, len(self), 0.0)
+        self.misses = with_rows(self.misses, len(self), 0)
+        new = voxel_id >= known
+        self._coord[voxel_id[new]] = coord[new]
+        self.cells.add(voxel_id[new], coord[new])
+        return voxel_id
+
+
+def _sums_per_voxel(surface: Surface, of_point: Int32, count: int) -> Float64:
+    weight = surface.weight
+    columns = (*surface.points_world.T, *surface.normals_world.T, *surface.rgb.T)
+    sums = [np.bincount(of_point, column * weight, count) for column in columns]
+    sums.append(np.bincount(of_point, weight, count))
+    return np.stack(sums, axis=1)

@@ -1,0 +1,186 @@
+"""What a question asks for: target, colours, size and relations to anchors.
+
+A table-driven reader of short English questions. Text it does not understand stays part of the
+target, which the encoder then sees whole: reading too little is safe, reading too much is not.
+"""
+
+import unicodedata
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from sceneq_core.routing import words
+
+MAX_CHARS = 1000
+MAX_RELATIONS = 3
+_PUNCTUATION = "?!.,;:\"“”„«»()[]{}<>¿¡"
+
+Tokens = tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Relation:
+    """The target is ``name`` (such as ``next_to``) of ``anchor``; "" = the viewer."""
+
+    name: str
+    anchor: str
+
+
+@dataclass(frozen=True, slots=True)
+class Phrase:
+    """A question, read.
+
+    ``target`` are the words for the encoder, colours included; ``noun`` the same without
+    colours, "" = anything; ``size`` is a superlative or ""; all relations must hold.
+    """
+
+    target: str
+    noun: str
+    colours: tuple[str, ...]
+    size: str
+    relations: tuple[Relation, ...]
+
+    @property
+    def spatial(self) -> bool:
+        """Tell whether geometry is needed to answer."""
+        return bool(self.relations or self.size)
+
+
+def read(text: str) -> Phrase:
+    """Return what ``text`` asks for.
+
+    Raises:
+        ValueError: nothing but white space, or more than ``MAX_CHARS`` characters.
+    """
+    if len(text) > MAX_CHARS:
+        raise ValueError(f"question: {len(text)} characters, the limit is {MAX_CHARS}")
+    tokens = _strip_frame(_tokens(text))
+    if not tokens:
+        raise ValueError("question: no words in it")
+    if tokens[0] in words.CLOSEST:
+        target, relations = _read_closest(tokens[1:])
+    else:
+        target, relations = _split_relations(tokens, words.RELATIONS)
+    target, sizes = _take(_strip_target(target), words.SIZES)
+    noun, colours = _split_colours(target)
+    return Phrase(
+        target=_name(target),
+        noun=_name(noun),
+        colours=colours,
+        size=words.SIZES[sizes[0]] if sizes else "",
+        relations=relations[:MAX_RELATIONS],
+    )
+
+
+def _tokens(text: str) -> Tokens:
+    folded = unicodedata.normalize("NFKC", text).replace("’", "'").lower()
+    printable = "".join(c if c.isprintable() else " " for c in folded)
+    stripped = (token.strip(_PUNCTUATION) for token in printable.split())
+    return tuple(token for token in stripped if token)
+
+
+def _strip_frame(tokens: Tokens) -> Tokens:
+    """Drop openings, determiners and endings, again and again, but never everything."""
+    while True:
+        shorter = _drop_prefix(tokens, words.OPENINGS + words.DETERMINERS)
+        shorter = _drop_suffix(shorter, words.ENDINGS)
+        if shorter == tokens or not shorter:
+            return tokens
+        tokens = shorter
+
+
+def _strip_target(tokens: Tokens) -> Tokens:
+    """Drop what leads up to a relation: "the cup that is", "which chair is"."""
+    shorter = _drop_suffix(_drop_prefix(tokens, words.DETERMINERS), words.LINKS)
+    return tokens if shorter == tokens else _strip_target(shorter)
+
+
+def _name(tokens: Tokens) -> str:
+    text = " ".join(tokens)
+    return "" if text in words.ANYTHING else text
+
+
+def _read_closest(tokens: Tokens) -> tuple[Tokens, tuple[Relation, ...]]:
+    """Read the rest of "the nearest chair to the door" and of "the nearest chair"."""
+    table = words.RELATIONS | words.AFTER_CLOSEST
+    target, relations = _split_relations(tokens, table)
+    if any(relation.name == "nearest" for relation in relations):
+        return target, relations
+    return target, (Relation("nearest", ""), *relations)
+
+
+def _split_relations(
+    tokens: Tokens, table: Mapping[str, str]
+) -> tuple[Tokens, tuple[Relation, ...]]:
+    """Cut at every relation that has an anchor behind it."""
+    cuts = list(_cuts(tokens, table))
+    if not cuts:
+        return tokens, ()
+    ends = [start for start, _, _ in cuts[1:]] + [len(tokens)]
+    relations = [
+        _relation(name, tokens[behind:end])
+        for (_, behind, name), end in zip(cuts, ends, strict=True)
+    ]
+    return tokens[: cuts[0][0]], tuple(r for r in relations if r is not None)
+
+
+def _cuts(tokens: Tokens, table: Mapping[str, str]) -> Iterable[tuple[int, int, str]]:
+    """Yield (start, end, relation) of the relation words that something follows."""
+    at = 0
+    while at < len(tokens):
+        end = _match_at(tokens, at, table)
+        if 0 < end < len(tokens):
+            yield at, end, table[" ".join(tokens[at:end])]
+        at = max(end, at + 1)
+
+
+def _relation(name: str, anchor: Tokens) -> Relation | None:
+    text = " ".join(anchor)
+    if text in words.VIEWER:
+        return Relation(name, "")
+    noun = " ".join(_strip_target(anchor))
+    return None if noun in words.PLACES or not noun else Relation(name, noun)
+
+
+def _take(tokens: Tokens, wanted: Iterable[str]) -> tuple[Tokens, Tokens]:
+    """Return the tokens without the wanted words, and those words."""
+    known = frozenset(wanted)
+    return tuple(t for t in tokens if t not in known), tuple(t for t in tokens if t in known)
+
+
+def _split_colours(tokens: Tokens) -> tuple[Tokens, tuple[str, ...]]:
+    """Return the tokens without colour words, and the basic colour terms they name."""
+    noun: list[str] = []
+    colours: list[str] = []
+    for at, token in enumerate(tokens):
+        term = words.COLOUR_WORDS.get(token)
+        following = words.COLOUR_WORDS.get(tokens[at + 1]) if at + 1 < len(tokens) else None
+        if term:
+            colours.append(term)
+        elif term is None or not following:
+            noun.append(token)
+    return tuple(noun), tuple(dict.fromkeys(colours))
+
+
+def _drop_prefix(tokens: Tokens, phrases: Sequence[str]) -> Tokens:
+    end = _match_at(tokens, 0, phrases)
+    return tokens[end:] if end else tokens
+
+
+def _drop_suffix(tokens: Tokens, phrases: Sequence[str]) -> Tokens:
+    for phrase in phrases:
+        part = tuple(phrase.split())
+        if tokens[-len(part) :] == part:
+            return tokens[: -len(part)]
+    return tokens
+
+
+def _match_at(tokens: Tokens, at: int, phrases: Iterable[str]) -> int:
+    """Return the end of the longest phrase that starts at ``at``, 0 = none."""
+    lengths = (len(phrase.split()) for phrase in phrases if _starts(tokens, at, phrase))
+    longest = max(lengths, default=0)
+    return at + longest if longest else 0
+
+
+def _starts(tokens: Tokens, at: int, phrase: str) -> bool:
+    part = tuple(phrase.split())
+    return tokens[at : at + len(part)] == part

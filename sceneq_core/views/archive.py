@@ -1,0 +1,90 @@
+"""The keyframes worth keeping: those that views refer to, and the newest."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from sceneq_core.views.sighting import Keyframe
+
+
+@dataclass(frozen=True, slots=True)
+class ArchiveParams:
+    """How much is kept.
+
+    Attributes:
+        newest: keyframes kept though no view refers to them yet.
+        capacity: keyframes kept at most, about 0.2 MB each at 640x480.
+    """
+
+    newest: int = 20
+    capacity: int = 400
+
+    def __post_init__(self) -> None:
+        if self.newest < 1:
+            raise ValueError(f"newest: must be at least 1, got {self.newest}")
+        if self.capacity < self.newest:
+            raise ValueError(f"capacity: must be at least newest, got {self.capacity}")
+
+
+class ImageArchive:
+    """Keyframes by seq in order of arrival, bounded by what views refer to.
+
+    Attributes:
+        dropped_unused: keyframes let go because no view referred to them.
+        dropped_used: keyframes let go at ``capacity`` although views referred to them.
+    """
+
+    def __init__(self, params: ArchiveParams) -> None:
+        self._params = params
+        self._keyframes: dict[int, Keyframe] = {}
+        self._references: dict[int, tuple[int, ...]] = {}
+        self._uses: Counter[int] = Counter()
+        self.dropped_unused = 0
+        self.dropped_used = 0
+
+    def __len__(self) -> int:
+        return len(self._keyframes)
+
+    def __iter__(self) -> Iterator[Keyframe]:
+        return iter(self._keyframes.values())
+
+    def __contains__(self, seq: int) -> bool:
+        return seq in self._keyframes
+
+    def __getitem__(self, seq: int) -> Keyframe:
+        return self._keyframes[seq]
+
+    def jpeg(self, seq: int) -> bytes | None:
+        """Return the image of a keyframe, ``None`` when it is not here; safe from any thread."""
+        keyframe = self._keyframes.get(seq)
+        return keyframe.jpeg if keyframe else None
+
+    def add(self, keyframe: Keyframe) -> None:
+        """Keep ``keyframe`` as the newest."""
+        self._keyframes[keyframe.seq] = keyframe
+
+    def remove(self, seq: int) -> None:
+        """Let go of a keyframe."""
+        del self._keyframes[seq]
+
+    def refer(self, instance_id: int, seqs: Iterable[int]) -> None:
+        """Note which keyframes the views of an instance refer to from now on."""
+        self._uses.subtract(self._references.pop(instance_id, ()))
+        self._references[instance_id] = tuple(seqs)
+        self._uses.update(self._references[instance_id])
+
+    def trim(self) -> tuple[int, ...]:
+        """Let go of what nobody needs, then of what few do; return the seqs that went.
+
+        At ``capacity`` the keyframe with the fewest views goes, the oldest of equals.
+        """
+        old = list(self._keyframes)[: -self._params.newest]
+        unused = [seq for seq in old if not self._uses[seq]]
+        used = [seq for seq in old if self._uses[seq]]
+        excess = max(len(self) - len(unused) - self._params.capacity, 0)
+        given_up = sorted(used, key=self._uses.__getitem__)[:excess]
+        for seq in (*unused, *given_up):
+            self.remove(seq)
+        self.dropped_unused += len(unused)
+        self.dropped_used += len(given_up)
+        return (*unused, *given_up)

@@ -1,0 +1,49 @@
+"""Colour as JPEG in memory; the only place that knows OpenCV wants BGR."""
+
+import cv2
+import numpy as np
+
+from sceneq_core.arrays import UInt8
+
+QUALITY = 90
+"""Crops at 90 keep the classifier's answer; an image of 640x480 takes 60-80 KB."""
+
+_SIZE_MARKERS = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+
+
+def jpeg_from_rgb(rgb: UInt8) -> bytes:
+    """Return uint8 (H, W, 3) RGB as JPEG; raise ``ValueError`` on anything else."""
+    if rgb.dtype != np.uint8 or rgb.ndim != 3 or rgb.shape[2] != 3:
+        raise ValueError(f"JPEG carries colour: dtype {rgb.dtype}, shape {rgb.shape}")
+    bgr = cv2.cvtColor(np.ascontiguousarray(rgb), cv2.COLOR_RGB2BGR)
+    encoded: UInt8 = cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])[1]
+    return encoded.tobytes()
+
+
+def rgb_from_jpeg(data: bytes) -> UInt8:
+    """Return uint8 (H, W, 3) RGB; raise ``ValueError`` when ``data`` is no complete JPEG."""
+    flags = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
+    complete = jpeg_size(data) is not None
+    bgr = cv2.imdecode(np.frombuffer(data, np.uint8), flags) if complete else None
+    if bgr is None:
+        raise ValueError(f"{len(data)} bytes are no JPEG")
+    return np.asarray(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB), np.uint8)
+
+
+def jpeg_size(data: bytes) -> tuple[int, int] | None:
+    """Return (height, width) from the header alone, ``None`` when it is no complete JPEG.
+
+    So a header that lies about its size can be refused before anything is allocated.
+    """
+    if data[:2] != b"\xff\xd8" or data[-2:] != b"\xff\xd9":
+        return None
+    at = 2
+    while at + 9 <= len(data) and data[at] == 0xFF:
+        if data[at + 1] in _SIZE_MARKERS:
+            return _big_endian(data, at + 5), _big_endian(data, at + 7)
+        at += 2 + max(_big_endian(data, at + 2), 2)
+    return None
+
+
+def _big_endian(data: bytes, at: int) -> int:
+    return int.from_bytes(data[at : at + 2], "big")

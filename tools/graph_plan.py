@@ -1,0 +1,126 @@
+"""What one machine runs: the graph after scene, machine and endpoints are settled."""
+
+import re
+import socket
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sceneq_nodes._params import did_you_mean
+from sceneq_tools.errors import UserError
+from sceneq_tools.graph import ROUTER, Graph, GraphNode, Router, WatchdogLimits
+from sceneq_tools.graph_document import Document
+from sceneq_tools.graph_problem import GraphError, Problem
+
+ANYWHERE = {"0.0.0.0": "127.0.0.1", "[::]": "[::1]"}
+"""Listening on every address is reached, from this machine, on the loopback one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """The local part of a graph, ready to start."""
+
+    scene: str
+    robot: str
+    sensor: str
+    router: Router
+    watchdog: WatchdogLimits
+    nodes: tuple[GraphNode, ...]
+
+    @property
+    def endpoint(self) -> str:
+        """Where nodes and clients of this machine reach the router."""
+        protocol, _, address = self.router.listen[0].partition("/")
+        host, _, port = address.rpartition(":")
+        return f"{protocol}/{ANYWHERE.get(host, host)}:{port}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what every node reads from the file that ``SCENEQ_GRAPH`` names."""
+        return {
+            "scene": self.scene,
+            "robot": self.robot,
+            "sensor": self.sensor,
+            "router": {"endpoint": self.endpoint, **self.router.model_dump()},
+            "nodes": {n.id: {"kind": n.node_kind, "params": n.params} for n in self.nodes},
+        }
+
+
+def plan(graph: Graph, document: Document, machine: str, only: Collection[str] = ()) -> Plan:
+    """Return what ``machine`` runs, or those of its nodes that ``only`` names.
+
+    Raises:
+        UserError: nothing runs there, an unknown name, no scene, or no such source folder.
+    """
+    nodes = _chosen(_on(machine, graph), only)
+    _need_sources(nodes, graph, document)
+    return Plan(
+        graph.scene or _scene_of(graph, document),
+        graph.robot,
+        graph.sensor,
+        graph.router,
+        graph.watchdog,
+        nodes,
+    )
+
+
+def scene_name(folder: Path) -> str:
+    """Return the folder's name as an id: ``My Kitchen 2`` -> ``my_kitchen_2``."""
+    return re.sub(r"[^a-z0-9_-]+", "_", folder.resolve().name.lower()).strip("_") or "scene"
+
+
+def need_free_port(endpoint: str) -> None:
+    """Raise ``UserError`` when somebody else listens on a TCP ``endpoint``."""
+    protocol, _, address = endpoint.partition("/")
+    host, _, port = address.partition("?")[0].rpartition(":")
+    if protocol != "tcp":
+        return
+    family = socket.AF_INET6 if host.startswith("[") else socket.AF_INET
+    with socket.socket(family) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((host.strip("[]"), int(port)))
+        except (OSError, ValueError, OverflowError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            hint = "another graph runs here? take another port: sceneq up --port N"
+            raise UserError(f"cannot listen on {endpoint}: {reason.lower()} ({hint})") from error
+
+
+def _on(machine: str, graph: Graph) -> list[GraphNode]:
+    nodes = [node for node in graph.nodes if node.deploy.machine == machine]
+    if not nodes:
+        hint = did_you_mean(machine, {node.deploy.machine for node in graph.nodes})
+        raise UserError(f"no node has 'deploy: {{machine: {machine}}}' ({hint})", 2)
+    return nodes
+
+
+def _chosen(nodes: list[GraphNode], only: Collection[str]) -> tuple[GraphNode, ...]:
+    known = {node.id for node in nodes}
+    for name in only:
+        if name not in known | {ROUTER}:
+            raise UserError(f"--only {name}: no such node here ({did_you_mean(name, known)})", 2)
+    return tuple(node for node in nodes if not only or node.id in only)
+
+
+def _need_sources(nodes: Collection[GraphNode], graph: Graph, document: Document) -> None:
+    for index, node in enumerate(graph.nodes):
+        path = ("nodes", index, "params", "source", "path")
+        folder = _source(node)
+        if node in nodes and folder is not None and not folder.exists():
+            where, shown = document.where(path), f"nodes.{node.id}.params.source.path"
+            hint = "say which with --source FOLDER"
+            raise GraphError([Problem(where, shown, "no such folder", str(folder), hint)])
+
+
+def _scene_of(graph: Graph, document: Document) -> str:
+    for node in graph.nodes:
+        if (folder := _source(node)) is not None:
+            return scene_name(folder)
+    hint = "add 'scene: NAME' or say --scene NAME"
+    raise GraphError([Problem(document.where(("scene",)), "scene", "missing key", hint=hint)])
+
+
+def _source(node: GraphNode) -> Path | None:
+    source = node.params.get("source")
+    path = source.get("path") if isinstance(source, dict) else None
+    return Path(path) if isinstance(path, str) else None
