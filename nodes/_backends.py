@@ -9,9 +9,11 @@ from collections.abc import Mapping
 from importlib.metadata import entry_points
 from typing import Any
 
+from sceneq_nodes import NODES
 from sceneq_nodes._params import ParamError, did_you_mean, validate
 
 BACKENDS: dict[str, dict[str, str]] = {
+    "nodes": NODES,
     "source": {"folder": "sceneq_nodes._folder_source:FolderSource"},
     "odometry": {"kiss_icp": "sceneq_core.ingest.odometry:KissIcpOdometry"},
     "segmenter": {
@@ -47,12 +49,19 @@ def check(
 
 
 def load(seam: str, kind: str, path: tuple[str | int, ...] = ()) -> type[Any]:
-    """Return the class behind ``kind``; ours first, then entry points."""
+    """Return the class behind ``kind``; ours first, then entry points.
+
+    Raises:
+        ParamError: no such kind, or its module cannot be imported.
+    """
     target = kinds(seam).get(kind)
     if target is None:
-        raise ParamError((*path, "kind"), kind, f"unknown {seam}", did_you_mean(kind, kinds(seam)))
+        raise ParamError((*path, "kind"), kind, "unknown kind", did_you_mean(kind, kinds(seam)))
     module, _, name = target.partition(":")
-    cls: type[Any] = getattr(importlib.import_module(module), name)
+    try:
+        cls: type[Any] = getattr(importlib.import_module(module), name)
+    except (ImportError, AttributeError) as error:
+        raise ParamError((*path, "kind"), kind, f"cannot load {target}: {error}", "") from error
     return cls
 
 

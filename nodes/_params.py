@@ -3,7 +3,6 @@
 import difflib
 from collections.abc import Mapping
 from dataclasses import MISSING, fields
-from functools import lru_cache
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
@@ -36,7 +35,7 @@ def validate(cls: type[P], values: Mapping[str, Any], path: tuple[str | int, ...
         if name not in values and field.default is MISSING and field.default_factory is MISSING:
             raise ParamError((*path, name), None, "missing key", f"add '{name}: ...'")
     try:
-        return _adapter(cls).validate_python(dict(values))  # type: ignore[no-any-return]
+        return _adapter(cls).validate_python(dict(values))
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = (*path, *first["loc"])
@@ -49,6 +48,10 @@ def did_you_mean(word: str, known: Mapping[str, Any] | set[str]) -> str:
     return f"did you mean '{close[0]}'?" if close else f"known: {', '.join(sorted(known))}"
 
 
-@lru_cache(maxsize=256)
-def _adapter(cls: Any) -> TypeAdapter[Any]:
-    return TypeAdapter(cls)
+_ADAPTERS: dict[Any, TypeAdapter[Any]] = {}
+
+
+def _adapter(cls: type[P]) -> TypeAdapter[P]:
+    if cls not in _ADAPTERS:
+        _ADAPTERS[cls] = TypeAdapter(cls)
+    return _ADAPTERS[cls]

@@ -13,6 +13,8 @@ from sceneq_schemas.view import ViewDelta
 ID = re.compile(r"[a-z0-9_-]+")
 MIB = 1024 * 1024
 
+_PLACE = re.compile(r"\{(\w+)\}")
+
 
 class Delivery(Enum):
     """How a topic travels. No class blocks its writer."""
@@ -43,22 +45,43 @@ class Topic:
             return f"application/json;sceneq.{self.name}.v1"
         return f"application/msgpack;{self.message.SCHEMA}"  # type: ignore[attr-defined]
 
+    @property
+    def id_names(self) -> tuple[str, ...]:
+        """The names of the ids in the pattern, such as ``("robot", "sensor")``."""
+        return tuple(_PLACE.findall(self.pattern))
+
     def key(self, **ids: str) -> str:
-        """Return the concrete key; raise ``ValueError`` on an id outside ``[a-z0-9_-]+``."""
-        for name, value in ids.items():
-            if not ID.fullmatch(value):
-                raise ValueError(f"{self.name}: {name} {value!r} must match {ID.pattern}")
-        return self.pattern.format(**ids)
+        """Return the concrete key.
+
+        Raises:
+            ValueError: an id outside ``[a-z0-9_-]+``, one too few or one too many.
+        """
+        if set(ids) != set(self.id_names):
+            want, got = ", ".join(self.id_names), ", ".join(sorted(ids))
+            raise ValueError(f"{self.name}: expected the ids {want}, got {got or 'none'}")
+        return self.selector(**ids)
 
     def selector(self, **ids: str) -> str:
-        """Return the key with ``*`` for every id not given."""
+        """Return the key with ``*`` for every id not given; raise ``ValueError`` as ``key``."""
+        for name, value in ids.items():
+            if name not in self.id_names:
+                raise ValueError(f"{self.name}: no id {name} in {self.pattern}")
+            if not ID.fullmatch(value):
+                raise ValueError(f"{self.name}: {name} {value!r} must match {ID.pattern}")
         return self.pattern.format_map(_Wild(ids))
 
     def ids(self, key: str) -> dict[str, str] | None:
         """Return the ids in a concrete key, or ``None`` when the key is not of this topic."""
-        escaped = re.escape(self.pattern).replace(r"\{", "{").replace(r"\}", "}")
-        match = re.fullmatch(re.sub(r"\{(\w+)\}", r"(?P<\1>[^/*]+)", escaped), key)
-        return match.groupdict() if match else None
+        chunks, wanted = key.split("/"), self.pattern.split("/")
+        if len(chunks) != len(wanted):
+            return None
+        ids = {}
+        for chunk, want in zip(chunks, wanted, strict=True):
+            if place := _PLACE.fullmatch(want):
+                ids[place[1]] = chunk
+            elif chunk != want:
+                return None
+        return ids if all(ID.fullmatch(value) for value in ids.values()) else None
 
 
 class _Wild(dict[str, str]):

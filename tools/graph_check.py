@@ -1,19 +1,17 @@
 """Check every node of a graph against the class it names, without starting anything."""
 
-import importlib
 from collections.abc import Callable, Iterator, Mapping
-from importlib.metadata import entry_points
 from typing import Any
 
-from sceneq_nodes import NODES
-from sceneq_nodes._backends import BACKENDS
+from sceneq_nodes._backends import BACKENDS, load
 from sceneq_nodes._backends import check as check_backend
-from sceneq_nodes._params import ParamError, did_you_mean, validate
+from sceneq_nodes._params import ParamError, validate
 from sceneq_tools.graph import Graph, GraphNode, shown_path
 from sceneq_tools.graph_document import Document, KeyPath
 from sceneq_tools.graph_problem import ABSENT, GraphError, Problem
 
 MISSING = "missing key"
+SEAMS = BACKENDS.keys() - {"nodes"}
 
 
 def check_nodes(graph: Graph, document: Document) -> None:
@@ -27,23 +25,11 @@ def check_nodes(graph: Graph, document: Document) -> None:
         raise GraphError(problems)
 
 
-def node_kinds() -> dict[str, str]:
-    """Return every known node kind with its ``module:Class``; ours before entry points."""
-    return {point.name: point.value for point in entry_points(group="sceneq.nodes")} | NODES
-
-
 def _node_errors(node: GraphNode, path: KeyPath) -> Iterator[ParamError]:
-    target = node_kinds().get(node.node_kind)
-    if target is None:
-        key = "kind" if node.kind else "id"
-        hint = did_you_mean(node.node_kind, node_kinds())
-        yield ParamError((*path, key), node.node_kind, "unknown node kind", hint)
-        return
-    module, _, name = target.partition(":")
     try:
-        params_class = getattr(importlib.import_module(module), name).Params
-    except ImportError as error:
-        yield ParamError((*path, "id"), node.node_kind, f"cannot import {module}: {error}", "")
+        params_class = load("nodes", node.node_kind, path).Params
+    except ParamError as error:
+        yield error
         return
     yield from _params_errors(params_class, node.params, (*path, "params"))
 
@@ -52,7 +38,7 @@ def _params_errors(
     params_class: type[Any], params: Mapping[str, Any], path: KeyPath
 ) -> Iterator[ParamError]:
     """Yield every error, not just the first: a bad key is reported, then left out."""
-    backends = {k: v for k, v in params.items() if k in BACKENDS and isinstance(v, Mapping)}
+    backends = {k: v for k, v in params.items() if k in SEAMS and isinstance(v, Mapping)}
     yield from _errors(lambda values: validate(params_class, values, path), params, path)
     for seam, spec in backends.items():
         here = (*path, seam)
@@ -60,7 +46,8 @@ def _params_errors(
 
 
 def _errors(
-    validation: Callable[[Mapping[str, Any]], object], params: Mapping[str, Any], path: KeyPath) -> Iterator[ParamError]:
+    validation: Callable[[Mapping[str, Any]], object], params: Mapping[str, Any], path: KeyPath
+) -> Iterator[ParamError]:
     values, left_out = dict(params), set()
     while True:
         try:

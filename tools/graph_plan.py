@@ -46,8 +46,16 @@ class Plan:
         }
 
 
-def plan(graph: Graph, document: Document, machine: str, only: Collection[str] = ()) -> Plan:
+def plan(
+    graph: Graph,
+    document: Document,
+    machine: str,
+    only: Collection[str] = (),
+    port: int | None = None,
+) -> Plan:
     """Return what ``machine`` runs, or those of its nodes that ``only`` names.
+
+    ``port`` replaces the one the router listens on.
 
     Raises:
         UserError: nothing runs there, an unknown name, no scene, or no such source folder.
@@ -58,7 +66,7 @@ def plan(graph: Graph, document: Document, machine: str, only: Collection[str] =
         graph.scene or _scene_of(graph, document),
         graph.robot,
         graph.sensor,
-        graph.router,
+        graph.router if port is None else _on_port(graph.router, port),
         graph.watchdog,
         nodes,
     )
@@ -84,6 +92,12 @@ def need_free_port(endpoint: str) -> None:
             reason = getattr(error, "strerror", None) or str(error)
             hint = "another graph runs here? take another port: sceneq up --port N"
             raise UserError(f"cannot listen on {endpoint}: {reason.lower()} ({hint})") from error
+
+
+def _on_port(router: Router, port: int) -> Router:
+    first, *others = router.listen
+    host, _, _ = first.rpartition(":")
+    return router.model_copy(update={"listen": [f"{host}:{port}", *others]})
 
 
 def _on(machine: str, graph: Graph) -> list[GraphNode]:

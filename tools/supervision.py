@@ -19,7 +19,7 @@ from sceneq_tools.errors import UserError
 RPC_TIMEOUT_S = 2.0
 START_TIMEOUT_S = 10.0
 STOP_TIMEOUT_S = 4.5
-BACKOFF, FATAL, EXITED = "BACKOFF", "FATAL", "EXITED"
+FATAL, EXITED, STOPPED = "FATAL", "EXITED", "STOPPED"
 ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
@@ -38,7 +38,6 @@ class Process:
     group: str
     state: str
     pid: int
-    exit_code: int
 
 
 class Supervisor:
@@ -66,7 +65,7 @@ class Supervisor:
         """
         conf = str(self._folder / "supervisord.conf")
         self._child = subprocess.Popen(
-            [sys.executable, "-m", "sceneq_tools.lifeline", "-c", conf],
+            [sys.executable, "-P", "-m", "sceneq_tools.lifeline", "-c", conf],
             stdin=subprocess.PIPE,
             env=self._environment,
             start_new_session=True,
@@ -137,7 +136,7 @@ def _is_ours(pid: int, folder: str) -> bool:
 
 
 def _process(info: dict[str, Any]) -> Process:
-    return Process(info["name"], info["group"], info["statename"], info["pid"], info["exitstatus"])
+    return Process(info["name"], info["group"], info["statename"], info["pid"])
 
 
 class _UnixTransport(xmlrpc.client.Transport):

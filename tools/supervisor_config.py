@@ -16,6 +16,8 @@ STOP_S = 2
 """Nodes end within one second of SIGTERM; twice that and they are killed."""
 LOG_BYTES = 5 * 1024 * 1024
 OLD_LOGS = 2
+MANY = 1_000_000
+"""Failed starts of the router: without it nothing works, so it is never given up."""
 NODES = "nodes"
 RESTART = {"on-failure": "unexpected", "always": "true", "never": "false"}
 
@@ -37,6 +39,9 @@ chmod=0700
 
 [rpcinterface:supervisor]
 supervisor.rpcinterface_factory = supervisor.rpcinterface:make_main_rpcinterface
+"""
+
+_GROUP = """\
 
 [group:{group}]
 programs={programs}
@@ -70,11 +75,11 @@ def render(nodes: tuple[GraphNode, ...], folder: Path, logs: Path) -> str:
         folder=_plain(folder),
         logs=_plain(logs),
         log_bytes=LOG_BYTES,
-        group=NODES,
-        programs=",".join(node.id for node in nodes),
     )
-    router = _program(ROUTER, ("sceneq_nodes", ROUTER), "true", 1_000_000, logs)
-    return head + router + "".join(_node_program(node, logs) for node in nodes)
+    router = _program(ROUTER, ("sceneq_nodes", ROUTER), "true", MANY, logs)
+    names = ",".join(node.id for node in nodes)
+    group = _GROUP.format(group=NODES, programs=names) if nodes else ""
+    return head + group + router + "".join(_node_program(node, logs) for node in nodes)
 
 
 def _node_program(node: GraphNode, logs: Path) -> str:
@@ -83,10 +88,8 @@ def _node_program(node: GraphNode, logs: Path) -> str:
     return _program(node.id, ("sceneq_nodes",), policy, retries, logs)
 
 
-def _program(
-    name: str, module: tuple[str, ...], autorestart: str, retries: int, logs: Path
-) -> str:
-    command = shlex.join([sys.executable, "-m", *module])
+def _program(name: str, module: tuple[str, ...], autorestart: str, retries: int, logs: Path) -> str:
+    command = shlex.join([sys.executable, "-P", "-m", *module])
     return _PROGRAM.format(
         name=name,
         command=_plain(command),

@@ -43,7 +43,7 @@ class Watchdog:
         silent = [n for n, heard in self._heard_s.items() if now_s - heard > self._limits.silent_s]
         if len(silent) > 1 and len(silent) == len(self._heard_s):
             return {ROUTER: f"no heartbeat of any node for {self._limits.silent_s:g} s"}
-        reasons = {n: f"no heartbeat for {self._limits.silent_s:g} s" for n in silent}
+        reasons = dict.fromkeys(silent, f"no heartbeat for {self._limits.silent_s:g} s")
         for node, busy in self._busy_s.items():
             if busy > self._limits.busy_s:
                 reasons.setdefault(node, f"{busy:.0f} s inside one step")

@@ -10,7 +10,9 @@ from scipy.sparse.csgraph import connected_components
 
 from sceneq_core.arrays import Bool, Float32, Float64, Int32, Int64
 from sceneq_core.mapping.cells import CELL_BITS, CELL_SIDE
+from sceneq_core.mapping.growing import with_rows
 from sceneq_core.mapping.voxel_index import pack_coord
+from sceneq_core.mapping.voxels import Voxels
 
 _PADDED_SIDE = CELL_SIDE + 2
 _HALF_NEIGHBOURS = [
@@ -123,3 +125,103 @@ def _cheapest_target(
     order = np.lexsort((target, mean, source))
     first = np.unique(source[order], return_index=True)[1]
     return np.stack((source[order][first], target[order][first]))
+
+
+@dataclass(frozen=True, slots=True)
+class SuperpointChange:
+    """What an update did: ``new_id`` came out of ``parent_id`` (-1 = from nothing), ``gone_id``."""
+
+    new_id: Int32
+    parent_id: Int32
+    gone_id: Int32
+
+
+class Superpoints:
+    """The superpoint of every voxel; an id stays with the part that keeps most of its voxels.
+
+    Ids of vanished superpoints are given again, so tables by id stay as small as the surface.
+    """
+
+    def __init__(self, params: SuperpointParams) -> None:
+        self._params = params
+        self._of_voxel = np.full(0, -1, np.int32)
+        self._cell = np.full(0, -1, np.int32)
+        self._free: list[int] = []
+        self._count = 0
+
+    def __len__(self) -> int:
+        """Return one more than the largest id given so far."""
+        return self._count
+
+    def of(self, voxel_id: Int32) -> Int32:
+        """Return the superpoint ids of voxels, -1 = none."""
+        return self._of_voxel[voxel_id]
+
+    def voxels(self, voxels: Voxels, superpoint_id: Int32) -> Int32:
+        """Return the voxels of these superpoints, in the order of their cells."""
+        wanted = np.zeros(len(self), np.bool_)
+        wanted[superpoint_id] = True
+        inside = voxels.cells.voxels(np.unique(self._cell[superpoint_id]))
+        superpoint = self._of_voxel[inside]
+        return inside[(superpoint >= 0) & wanted[superpoint]]
+
+    def update(
+        self, voxels: Voxels, touched_id: Int32, cleared_id: Int32
+    ) -> tuple[Int32, SuperpointChange]:
+        """Partition the cells of these voxels anew; return all their voxels and the change."""
+        self._of_voxel = with_rows(self._of_voxel, len(voxels), -1)
+        coord = voxels.coord(np.concatenate((touched_id, cleared_id)))
+        inside = voxels.cells.voxels(np.unique(voxels.cells.of(coord)))
+        before = np.unique(self._of_voxel[inside])
+        self._of_voxel[cleared_id] = -1
+        voxel_id = voxels.occupied(inside)
+        part = partition(
+            VoxelFeatures(
+                voxels.coord(voxel_id), voxels.normals_world(voxel_id), voxels.colours(voxel_id)
+            ),
+            self._params,
+        )
+        change = self._rename(voxel_id, part, before[before >= 0])
+        self._cell = with_rows(self._cell, len(self), -1)
+        self._cell[self._of_voxel[voxel_id]] = voxels.cells.of(voxels.coord(voxel_id))
+        return voxel_id, change
+
+    def _rename(self, voxel_id: Int32, part: Int32, before: Int32) -> SuperpointChange:
+        heir, parent = _match(part, self._of_voxel[voxel_id])
+        gone = np.setdiff1d(before, heir)
+        new = heir < 0
+        new_id = self._take_ids(int(new.sum()))
+        heir[new] = new_id
+        self._of_voxel[voxel_id] = heir[part]
+        self._free = sorted(self._free + gone.tolist(), reverse=True)
+        return SuperpointChange(new_id, parent[new], gone)
+
+    def _take_ids(self, count: int) -> Int32:
+        again = [self._free.pop() for _ in range(min(count, len(self._free)))]
+        fresh = range(self._count, self._count + count - len(again))
+        self._count += len(fresh)
+        return np.array([*again, *fresh], np.int32)
+
+
+def _match(part: Int32, old: Int32) -> tuple[Int32, Int32]:
+    """Return per part the old id it keeps (or -1) and the old id it overlaps most (or -1).
+
+    A part keeps an old id when each is the other's largest overlap.
+    """
+    count = int(part.max(initial=-1)) + 1
+    heir, parent = np.full(count, -1, np.int32), np.full(count, -1, np.int32)
+    known = old >= 0
+    span = int(old.max(initial=0)) + 1
+    pair, overlap = np.unique(part[known] * np.int64(span) + old[known], return_counts=True)
+    pair_part, pair_old = pair // span, pair % span
+    largest_old = _first_of_each(np.lexsort((pair_old, -overlap, pair_part)), pair_part)
+    largest_part = _first_of_each(np.lexsort((pair_part, -overlap, pair_old)), pair_old)
+    parent[pair_part[largest_old]] = pair_old[largest_old]
+    mutual = np.intersect1d(largest_old, largest_part)
+    heir[pair_part[mutual]] = pair_old[mutual]
+    return heir, parent
+
+
+def _first_of_each(order: Int64, key: Int64) -> Int64:
+    """Return the rows of ``order`` that come first for their key."""
+    return order[np.unique(key[order], return_index=True)[1]]

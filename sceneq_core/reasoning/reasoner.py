@@ -13,8 +13,8 @@ class Candidate:
     """An instance as a reasoner sees it; metres, world frame.
 
     ``role`` is ``target`` or ``anchor`` (the thing a spatial relation refers to); ``words`` is the
-    part of the question it is a candidate for, and ``p`` the encoder's probability that those
-    words name it. One instance may be a candidate for several words.
+    part of the question it is a candidate for, and ``p`` the encoder's probability, over all
+    instances, that it is the one they mean. One instance may be a candidate for several words.
     ``T_world_box`` (4, 4) holds centre and axes of the oriented box, ``box_size_m`` (3,) its
     edges; ``views`` are keyframe seqs with boxes (xyxy pixels), most visible first.
     """

@@ -8,41 +8,26 @@ import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from sceneq_core.reasoning.reasoner import Constraint
 from sceneq_core.routing import words
 
 MAX_CHARS = 1000
 MAX_RELATIONS = 3
-_PUNCTUATION = "?!.,;:\"“”„«»()[]{}<>¿¡"
+_PUNCTUATION = '?!.,;:"“”„«»()[]{}<>¿¡'
 
 Tokens = tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Relation:
-    """The target is ``name`` (such as ``next_to``) of ``anchor``; "" = the viewer."""
-
-    name: str
-    anchor: str
 
 
 @dataclass(frozen=True, slots=True)
 class Phrase:
     """A question, read.
 
-    ``target`` are the words for the encoder, colours included; ``noun`` the same without
-    colours, "" = anything; ``size`` is a superlative or ""; all relations must hold.
+    ``target`` are the words for the encoder, "" = anything. All ``constraints`` must hold; any
+    makes the question spatial: then geometry is needed to answer.
     """
 
     target: str
-    noun: str
-    colours: tuple[str, ...]
-    size: str
-    relations: tuple[Relation, ...]
-
-    @property
-    def spatial(self) -> bool:
-        """Tell whether geometry is needed to answer."""
-        return bool(self.relations or self.size)
+    constraints: tuple[Constraint, ...]
 
 
 def read(text: str) -> Phrase:
@@ -61,14 +46,23 @@ def read(text: str) -> Phrase:
     else:
         target, relations = _split_relations(tokens, words.RELATIONS)
     target, sizes = _take(_strip_target(target), words.SIZES)
-    noun, colours = _split_colours(target)
-    return Phrase(
-        target=_name(target),
-        noun=_name(noun),
-        colours=colours,
-        size=words.SIZES[sizes[0]] if sizes else "",
-        relations=relations[:MAX_RELATIONS],
-    )
+    comparing = tuple(Constraint(words.SIZES[size], "") for size in sizes[:1])
+    return Phrase(_name(target), (*relations[:MAX_RELATIONS], *comparing))
+
+
+def split_colours(text: str) -> tuple[str, tuple[str, ...]]:
+    """Return a target or anchor without its colour words, and the basic terms they name."""
+    tokens = tuple(text.split())
+    noun: list[str] = []
+    colours: list[str] = []
+    for at, token in enumerate(tokens):
+        term = words.COLOUR_WORDS.get(token)
+        following = words.COLOUR_WORDS.get(tokens[at + 1]) if at + 1 < len(tokens) else None
+        if term:
+            colours.append(term)
+        elif term is None or not following:
+            noun.append(token)
+    return _name(tuple(noun)), tuple(dict.fromkeys(colours))
 
 
 def _tokens(text: str) -> Tokens:
@@ -99,18 +93,18 @@ def _name(tokens: Tokens) -> str:
     return "" if text in words.ANYTHING else text
 
 
-def _read_closest(tokens: Tokens) -> tuple[Tokens, tuple[Relation, ...]]:
+def _read_closest(tokens: Tokens) -> tuple[Tokens, tuple[Constraint, ...]]:
     """Read the rest of "the nearest chair to the door" and of "the nearest chair"."""
     table = words.RELATIONS | words.AFTER_CLOSEST
     target, relations = _split_relations(tokens, table)
-    if any(relation.name == "nearest" for relation in relations):
+    if any(relation.relation == "nearest" for relation in relations):
         return target, relations
-    return target, (Relation("nearest", ""), *relations)
+    return target, (Constraint("nearest", ""), *relations)
 
 
 def _split_relations(
     tokens: Tokens, table: Mapping[str, str]
-) -> tuple[Tokens, tuple[Relation, ...]]:
+) -> tuple[Tokens, tuple[Constraint, ...]]:
     """Cut at every relation that has an anchor behind it."""
     cuts = list(_cuts(tokens, table))
     if not cuts:
@@ -133,32 +127,18 @@ def _cuts(tokens: Tokens, table: Mapping[str, str]) -> Iterable[tuple[int, int, 
         at = max(end, at + 1)
 
 
-def _relation(name: str, anchor: Tokens) -> Relation | None:
+def _relation(name: str, anchor: Tokens) -> Constraint | None:
     text = " ".join(anchor)
     if text in words.VIEWER:
-        return Relation(name, "")
+        return Constraint(name, "")
     noun = " ".join(_strip_target(anchor))
-    return None if noun in words.PLACES or not noun else Relation(name, noun)
+    return None if noun in words.PLACES or not noun else Constraint(name, noun)
 
 
 def _take(tokens: Tokens, wanted: Iterable[str]) -> tuple[Tokens, Tokens]:
     """Return the tokens without the wanted words, and those words."""
     known = frozenset(wanted)
     return tuple(t for t in tokens if t not in known), tuple(t for t in tokens if t in known)
-
-
-def _split_colours(tokens: Tokens) -> tuple[Tokens, tuple[str, ...]]:
-    """Return the tokens without colour words, and the basic colour terms they name."""
-    noun: list[str] = []
-    colours: list[str] = []
-    for at, token in enumerate(tokens):
-        term = words.COLOUR_WORDS.get(token)
-        following = words.COLOUR_WORDS.get(tokens[at + 1]) if at + 1 < len(tokens) else None
-        if term:
-            colours.append(term)
-        elif term is None or not following:
-            noun.append(token)
-    return tuple(noun), tuple(dict.fromkeys(colours))
 
 
 def _drop_prefix(tokens: Tokens, phrases: Sequence[str]) -> Tokens:

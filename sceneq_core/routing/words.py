@@ -53,7 +53,20 @@ LINKS = ("that is", "that are", "which is", "which are", "is", "are", "that", "w
 
 ENDINGS = ("please", "for me", "in here", "here", "there", *LINKS)
 
-DETERMINERS = ("the", "a", "an", "any", "some", "my", "your", "our", "this", "that", "one of", "all")
+DETERMINERS = (
+    "the",
+    "a",
+    "an",
+    "any",
+    "some",
+    "my",
+    "your",
+    "our",
+    "this",
+    "that",
+    "one of",
+    "all",
+)
 
 ANYTHING = (
     "",

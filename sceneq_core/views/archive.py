@@ -1,10 +1,11 @@
 """The keyframes worth keeping: those that views refer to, and the newest."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain
 
-from sceneq_core.views.sighting import Keyframe
+from sceneq_core.views.keyframe import Keyframe
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +39,6 @@ class ImageArchive:
         self._params = params
         self._keyframes: dict[int, Keyframe] = {}
         self._references: dict[int, tuple[int, ...]] = {}
-        self._uses: Counter[int] = Counter()
         self.dropped_unused = 0
         self.dropped_used = 0
 
@@ -67,24 +67,25 @@ class ImageArchive:
         """Let go of a keyframe."""
         del self._keyframes[seq]
 
-    def refer(self, instance_id: int, seqs: Iterable[int]) -> None:
+    def refer(self, instance_id: int, seqs: tuple[int, ...]) -> None:
         """Note which keyframes the views of an instance refer to from now on."""
-        self._uses.subtract(self._references.pop(instance_id, ()))
-        self._references[instance_id] = tuple(seqs)
-        self._uses.update(self._references[instance_id])
+        if seqs:
+            self._references[instance_id] = seqs
+        else:
+            self._references.pop(instance_id, None)
 
-    def trim(self) -> tuple[int, ...]:
-        """Let go of what nobody needs, then of what few do; return the seqs that went.
+    def make_room(self) -> tuple[int, ...]:
+        """Let go of what is old and unused, then of what few views use; return the seqs that went.
 
-        At ``capacity`` the keyframe with the fewest views goes, the oldest of equals.
+        Afterwards one more keyframe fits. Of keyframes used equally the oldest goes.
         """
-        old = list(self._keyframes)[: -self._params.newest]
-        unused = [seq for seq in old if not self._uses[seq]]
-        used = [seq for seq in old if self._uses[seq]]
-        excess = max(len(self) - len(unused) - self._params.capacity, 0)
-        given_up = sorted(used, key=self._uses.__getitem__)[:excess]
-        for seq in (*unused, *given_up):
+        uses = Counter(chain.from_iterable(self._references.values()))
+        old = list(self._keyframes)[: max(len(self) - self._params.newest + 1, 0)]
+        unused = [seq for seq in old if not uses[seq]]
+        excess = max(len(self) - len(unused) + 1 - self._params.capacity, 0)
+        used = sorted((seq for seq in old if uses[seq]), key=uses.__getitem__)[:excess]
+        for seq in (*unused, *used):
             self.remove(seq)
         self.dropped_unused += len(unused)
-        self.dropped_used += len(given_up)
-        return (*unused, *given_up)
+        self.dropped_used += len(used)
+        return (*unused, *used)

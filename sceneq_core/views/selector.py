@@ -10,10 +10,15 @@ from sceneq_core.mapping.delta import MapDelta
 from sceneq_core.mapping.replica import MapReplica
 from sceneq_core.views.archive import ArchiveParams, ImageArchive
 from sceneq_core.views.choice import Candidates, ChoiceParams, choose
-from sceneq_core.views.jpeg import jpeg_from_rgb
+from sceneq_core.views.keyframe import make_keyframe
 from sceneq_core.views.place import Places
-from sceneq_core.views.sighting import Keyframe, Sighting, find_sightings, make_view
+from sceneq_core.views.sighting import Sighting, find_sightings, make_view
 from sceneq_core.views.view import View, ViewSet
+
+BOX_TOLERANCE_PX = 4.0
+SIZE_TOLERANCE = 0.1
+"""A view whose box and visible pixels moved less than this is left as it is: a crop is not the
+better for it, and every change costs its readers an encoding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +45,7 @@ class ViewSelector:
         self._sightings: dict[int, dict[int, Sighting]] = {}
         self._view_sets: dict[int, ViewSet] = {}
         self._concerned: set[int] = set()
+        self._recounted: set[int] = set()
         self.archive = ImageArchive(self._params.archive)
 
     def observe(self, frame: Frame, delta: MapDelta) -> tuple[ViewSet, ...]:
@@ -60,36 +66,31 @@ class ViewSelector:
             self._concerned.update(self._view_sets)
         self._places.learn(delta.voxel_id, delta.voxel_coord)
         self._concerned.update(instance.instance_id for instance in delta.instances)
-        self._recount(self._places.instance_of_place(self._replica))
+        self._recount()
 
     def see(self, frame: Frame) -> None:
         """Add a keyframe; one with a known seq replaces it."""
-        self._concerned.update(self._forget(self.archive.trim()))
         if frame.seq in self.archive:
             self.archive.remove(frame.seq)
-            self._concerned.update(self._forget((frame.seq,)))
-        keyframe = Keyframe(
-            seq=frame.seq,
-            stamp_ns=frame.stamp_ns,
-            jpeg=jpeg_from_rgb(frame.rgb),
-            size=(frame.rgb.shape[0], frame.rgb.shape[1]),
-            camera_world=frame.T_world_camera[:3, 3].copy(),
-            places=self._places.render(frame, self._replica.voxel_size_m),
-        )
-        self.archive.add(keyframe)
-        self._look(keyframe)
+            self._forget(frame.seq)
+        for seq in self.archive.make_room():
+            self._forget(seq)
+        places = self._places.render(frame, self._replica.voxel_size_m)
+        self.archive.add(make_keyframe(frame, places))
+        self._look(frame.seq)
+        self._concerned.update(self._sightings[frame.seq])
 
     def changes(self) -> tuple[ViewSet, ...]:
         """Choose again for every instance concerned since the last call; return what changed."""
-        concerned, self._concerned = sorted(self._concerned), set()
-        chosen = {i: self._choose(i) for i in concerned}
+        chosen = {i: self._choose(i) for i in sorted(self._concerned)}
         images = self._instance_images(chosen)
-        changed = []
-        for instance_id, seqs in chosen.items():
-            views = tuple(self._view(seq, images, instance_id) for seq in seqs)
-            if self._replace(ViewSet(instance_id, views)):
-                changed.append(self._view_sets.get(instance_id, ViewSet(instance_id, ())))
-        return tuple(changed)
+        view_sets = [
+            ViewSet(i, tuple(self._view(seq, i, images) for seq in seqs))
+            for i, seqs in chosen.items()
+        ]
+        self._concerned.clear()
+        self._recounted.clear()
+        return tuple(view_set for view_set in view_sets if self._take(view_set))
 
     def view_sets(self) -> tuple[ViewSet, ...]:
         """Return the view sets of all instances that have views, by instance id."""
@@ -98,3 +99,93 @@ class ViewSelector:
     def image(self, seq: int) -> bytes | None:
         """Return the JPEG of a keyframe, ``None`` when it is gone; safe from any thread."""
         return self.archive.jpeg(seq)
+
+    def _recount(self) -> None:
+        """Count again where keyframes show places that changed their instance."""
+        before, now = self._instance_of_place, self._places.instance_of_place(self._replica)
+        self._instance_of_place = now
+        changed = _differs(before, now)
+        if not changed.any():
+            return
+        for keyframe in self.archive:
+            touched = keyframe.places.place[changed[keyframe.places.place]]
+            if len(touched):
+                self._look(keyframe.seq)
+                self._concerned.update(np.unique(before[touched]).tolist())
+                self._concerned.update(np.unique(now[touched]).tolist())
+
+    def _look(self, seq: int) -> None:
+        """Find the instances in a keyframe of the archive."""
+        self._sightings[seq] = find_sightings(self.archive[seq], self._instance_of_place)
+        self._recounted.add(seq)
+
+    def _forget(self, seq: int) -> None:
+        """Drop what was seen in a keyframe that the archive let go of."""
+        del self._sightings[seq]
+        self._recounted.discard(seq)
+        self._concerned.update(i for i, views in self._view_sets.items() if _shows(views, seq))
+
+    def _choose(self, instance_id: int) -> tuple[int, ...]:
+        """Return the seqs of the best keyframes of an instance, best first."""
+        instance = self._replica.instances.get(instance_id)
+        shown = [k for k in self.archive if instance_id in self._sightings[k.seq]]
+        if instance is None or not shown:
+            return ()
+        sightings = [self._sightings[keyframe.seq][instance_id] for keyframe in shown]
+        candidates = Candidates(
+            visible_px=np.array([sighting.visible_px for sighting in sightings]),
+            cut=np.array([sighting.cut for sighting in sightings]),
+            camera_world=np.array([keyframe.camera_world for keyframe in shown]),
+        )
+        rows = choose(candidates, instance.centre_world, self._params.choice)
+        return tuple(shown[row].seq for row in rows)
+
+    def _instance_images(self, chosen: dict[int, tuple[int, ...]]) -> dict[int, Int32]:
+        """Return the instance image of each keyframe in which a view has to be made."""
+        new = {
+            seq
+            for instance_id, seqs in chosen.items()
+            for seq in seqs
+            if seq in self._recounted or not self._present(seq, instance_id)
+        }
+        return {seq: self.archive[seq].instance_image(self._instance_of_place) for seq in new}
+
+    def _view(self, seq: int, instance_id: int, images: dict[int, Int32]) -> View:
+        """Return the view of an instance in a keyframe; the present one if it still holds."""
+        present = self._present(seq, instance_id)
+        if present and seq not in self._recounted:
+            return present
+        view = make_view(self.archive[seq], images[seq], instance_id)
+        return present if present and _alike(present, view) else view
+
+    def _present(self, seq: int, instance_id: int) -> View | None:
+        view_set = self._view_sets.get(instance_id)
+        views = view_set.views if view_set else ()
+        return next((view for view in views if view.seq == seq), None)
+
+    def _take(self, view_set: ViewSet) -> bool:
+        """Make ``view_set`` the present one; tell whether that changes anything."""
+        old = self._view_sets.pop(view_set.instance_id, ViewSet(view_set.instance_id, ()))
+        if view_set.views:
+            self._view_sets[view_set.instance_id] = view_set
+        self.archive.refer(view_set.instance_id, tuple(view.seq for view in view_set.views))
+        return [id(view) for view in old.views] != [id(view) for view in view_set.views]
+
+
+def _differs(before: Int32, now: Int32) -> Bool:
+    """Tell which places changed their instance; both arrays end with the 0 of "no place"."""
+    changed = np.zeros(len(now), np.bool_)
+    known = len(before) - 1
+    changed[:known] = before[:known] != now[:known]
+    return changed
+
+
+def _shows(view_set: ViewSet, seq: int) -> bool:
+    return any(view.seq == seq for view in view_set.views)
+
+
+def _alike(a: View, b: View) -> bool:
+    """Tell whether two views in one keyframe give the same crop, so that nobody need hear of it."""
+    if a.stamp_ns != b.stamp_ns or np.abs(a.box_xyxy - b.box_xyxy).max() > BOX_TOLERANCE_PX:
+        return False
+    return abs(a.visible_px - b.visible_px) <= SIZE_TOLERANCE * a.visible_px

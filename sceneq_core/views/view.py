@@ -22,7 +22,7 @@ class View:
 
 @dataclass(frozen=True, slots=True)
 class ViewSet:
-    """The top-k views of one instance, most visible first; empty = the instance is gone."""
+    """The top-k views of one instance, best first; empty = gone, or nowhere to be seen."""
 
     instance_id: int
     views: tuple[View, ...]

@@ -1,0 +1,138 @@
+"""Answers as clients see them: plain JSON objects, finite and rounded (mm, 4 digits)."""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from sceneq_schemas.topics import VIEW_IMAGE
+
+from sceneq_core.arrays import Float64
+from sceneq_core.routing.answer import Answer, Match, Naming
+from sceneq_core.routing.gate import Confidence
+from sceneq_core.routing.scene import Revision, SceneInstance, ViewRef
+
+Json = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Stamp:
+    """What the process adds to an answer: who asked, and the time it took and the map's age."""
+
+    scene: str
+    query_id: str
+    map_age_s: float
+    took_ms: float
+    stage_ms: Mapping[str, float]
+
+
+def answer_json(answer: Answer, k: int, stamp: Stamp) -> Json:
+    """Return an answer with its best ``k`` matches."""
+    return {
+        "status": answer.status,
+        "question": answer.question,
+        "instances": [_match_json(match, stamp.scene) for match in answer.matches[:k]],
+        "confidence": {**_confidence_json(answer.confidence), "presence": _p(answer.presence)},
+        "route": answer.route,
+        "reason": answer.reason,
+        "cost": {
+            "vlm_calls": answer.vlm_calls,
+            "ms": {stage: round(ms, 2) for stage, ms in stamp.stage_ms.items()},
+        },
+        **_stamp_json(answer.revision, stamp),
+    }
+
+
+def naming_json(naming: Naming, stamp: Stamp) -> Json:
+    """Return what an instance is called."""
+    return {
+        "status": naming.status,
+        "instance": instance_json(naming.instance, stamp.scene),
+        "labels": [
+            {"label": label.name, "p": _p(label.p), "cosine": _p(label.cosine)}
+            for label in naming.labels
+        ],
+        "confidence": _confidence_json(naming.confidence),
+        "route": "fast",
+        "reason": naming.reason,
+        **_stamp_json(naming.revision, stamp),
+    }
+
+
+def listing_json(instances: Iterable[SceneInstance], revision: Revision, stamp: Stamp) -> Json:
+    """Return instances as a list; ``p`` is that of the label."""
+    listed = [instance_json(instance, stamp.scene) for instance in instances]
+    return {"status": "listed", "instances": listed, **_stamp_json(revision, stamp)}
+
+
+def instance_json(instance: SceneInstance, scene: str) -> Json:
+    """Return an instance with its boxes (metres, scene frame) and evidence."""
+    geometry, label = instance.geometry, instance.label
+    low, high = geometry.aabb_world
+    return {
+        "id": instance.instance_id,
+        "label": label.name,
+        "p": _p(label.p),
+        "centre": _mm(geometry.centre_world),
+        "box_aabb": {"min": _mm(low), "max": _mm(high)},
+        "box_oriented": {
+            "centre": _mm(geometry.T_world_box[:3, 3]),
+            "size": _mm(geometry.box_size_m),
+            "rotation": [_rounded(row, 6) for row in geometry.T_world_box[:3, :3]],
+        },
+        "first_seen_ns": geometry.first_seen_ns,
+        "last_seen_ns": geometry.last_seen_ns,
+        "views": [_view_json(view, scene) for view in instance.views],
+    }
+
+
+def map_json(revision: Revision, age_s: float) -> Json:
+    """Return which map was used, and how long ago it last changed."""
+    age = round(age_s, 3) if math.isfinite(age_s) else None
+    return {"epoch": revision.epoch, "seq": revision.seq, "age_s": age}
+
+
+def _match_json(match: Match, scene: str) -> Json:
+    """``p`` is that of being meant; that of the label goes beside it."""
+    told = instance_json(match.instance, scene)
+    head = {"id": told.pop("id"), "label": told.pop("label"), "label_p": told.pop("p")}
+    return {**head, "p": _p(match.p), "cosine": _p(match.cosine), **told}
+
+
+def _view_json(view: ViewRef, scene: str) -> Json:
+    return {
+        "seq": view.seq,
+        "box_xyxy": _rounded(np.array(view.box_xyxy), 1),
+        "key": f"{VIEW_IMAGE.key(scene=scene)}?seq={view.seq}",
+    }
+
+
+def _confidence_json(confidence: Confidence) -> Json:
+    return {
+        "p_max": _p(confidence.p_max),
+        "margin": _p(confidence.margin),
+        "entropy_norm": _p(confidence.entropy_norm),
+        "T": _p(confidence.temperature),
+    }
+
+
+def _stamp_json(revision: Revision, stamp: Stamp) -> Json:
+    return {
+        "map": map_json(revision, stamp.map_age_s),
+        "query_id": stamp.query_id,
+        "took_ms": round(stamp.took_ms, 2),
+    }
+
+
+def _p(value: float) -> float:
+    return round(float(value), 4)
+
+
+def _mm(point_m: Float64) -> list[float]:
+    return _rounded(point_m, 3)
+
+
+def _rounded(values: Float64, digits: int) -> list[float]:
+    rounded: list[float] = np.round(np.asarray(values, np.float64), digits).tolist()
+    return rounded

@@ -1,0 +1,129 @@
+"""From ``python -m sceneq_nodes`` to an exit code: parameters, bus, loop, end.
+
+Exit codes: 0 stopped by a signal, 1 a bug (the launcher restarts the node), 2 bad input (it does
+not).
+"""
+
+import contextlib
+import faulthandler
+import logging
+import os
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from threading import Event
+from typing import Any
+
+from sceneq_nodes._backends import load
+from sceneq_nodes._bus import Node
+from sceneq_nodes._counters import Counters
+from sceneq_nodes._health import Health, metrics
+from sceneq_nodes._launch import Launch, RouterLaunch, read_launch
+from sceneq_nodes._lifecycle import Stop
+from sceneq_nodes._params import validate
+from sceneq_nodes._runtime import ZenohBus, close, open_router
+from sceneq_schemas.topics import HEALTH, METRIC
+
+log = logging.getLogger(__name__)
+
+STOPPED, BUG, BAD_INPUT = 0, 1, 2
+SLICE_S = 0.1
+"""How long the loop waits for a message before it looks at the stop event."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run what the arguments and the environment say; return the exit code."""
+    faulthandler.enable()
+    try:
+        launch = read_launch(sys.argv[1:] if arguments is None else arguments)
+        if isinstance(launch, RouterLaunch):
+            _prepare("router")
+            return run_router(launch)
+        _prepare(launch.context.node)
+        node_class = load("nodes", launch.kind)
+        params = validate(node_class.Params, launch.params)
+    except (ValueError, ConnectionError) as error:
+        print(f"sceneq: {error}", file=sys.stderr)
+        return BAD_INPUT
+    return run(node_class, params, launch)
+
+
+def run(node_class: type[Node], params: Any, launch: Launch) -> int:
+    """Run one node until a signal comes or something fails; return the exit code."""
+    counters = Counters()
+    health = Health(launch.kind, counters)
+    leave = contextlib.ExitStack()
+    stop = Stop(leave=leave.close)
+    stop.install()
+    bus = ZenohBus(launch.context, launch.endpoint, counters)
+    leave.callback(bus.close)
+    health.beat(lambda: _publish_health(bus, health))
+    try:
+        return _live(node_class(params, launch.context), bus, health, stop.event)
+    finally:
+        leave.close()
+
+
+def run_router(launch: RouterLaunch) -> int:
+    """Route until a signal comes; raise ``ConnectionError`` when the port is taken."""
+    session = open_router(launch.listen, launch.connect)
+    stop = Stop(leave=lambda: close(session))
+    stop.install()
+    log.info("listening on %s", ", ".join(launch.listen))
+    while not stop.event.wait(SLICE_S):
+        continue
+    close(session)
+    return STOPPED
+
+
+def _live(node: Node, bus: ZenohBus, health: Health, stop: Event) -> int:
+    """Open, step and close ``node``."""
+    try:
+        node.open(bus)
+    except ValueError as error:
+        log.error("cannot start: %s", error)
+        return BAD_INPUT
+    except Exception:
+        log.exception("cannot start")
+        return BUG
+    bus.announce(str(os.getpid()))
+    health.state = "ready"
+    log.info("ready")
+    try:
+        return _loop(node, bus, health, stop)
+    finally:
+        health.state = "stopping"
+        node.close()
+
+
+def _loop(node: Node, bus: ZenohBus, health: Health, stop: Event) -> int:
+    last = time.monotonic()
+    while not stop.is_set():
+        received = bus.take(min(SLICE_S, node.idle_s))
+        if received is None and time.monotonic() - last < node.idle_s:
+            continue
+        try:
+            with health.step():
+                node.step(received)
+        except Exception:
+            seq = getattr(received.message, "seq", None) if received else None
+            log.exception("step failed on %s seq %s", received.key if received else "idle", seq)
+            return BUG
+        last = time.monotonic()
+    return STOPPED
+
+
+def _publish_health(bus: ZenohBus, health: Health) -> None:
+    node = bus.context.node
+    message = health.message(node, bus.depths())
+    bus.publish(HEALTH, message, node=node)
+    bus.publish(METRIC, {"node": node, "metrics": metrics(message)}, node=node)
+
+
+def _prepare(name: str) -> None:
+    """Name the process in its log and in ``top``."""
+    form = f"%(asctime)s %(levelname)s {name}: %(message)s"
+    logging.basicConfig(stream=sys.stderr, level=logging.INFO, format=form)
+    with contextlib.suppress(OSError):
+        Path("/proc/self/comm").write_text(f"sceneq-{name}")

@@ -1,0 +1,289 @@
+"""Zenoh, and the only file that knows it: the bus of a node, sessions of clients and routers.
+
+Zenoh's threads never decode, compute or wait here: a sample goes into the bounded inbox, a query
+into the bounded pool, and every query is finished with a reply, an error or nothing.
+"""
+
+import json
+import logging
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import zenoh
+from sceneq_nodes._bus import Context, Handler, QueryError, Received, Reply, Request
+from sceneq_nodes._counters import Counters
+from sceneq_nodes._inbox import Inbox, Raw
+from sceneq_nodes._queries import (
+    ERROR_ENCODING,
+    QueryPool,
+    answer,
+    error_bytes,
+    error_from_bytes,
+    format_parameters,
+    parse_parameters,
+)
+from sceneq_nodes._session import session_config
+from sceneq_nodes._wire import from_bytes, to_bytes
+from sceneq_schemas.errors import DecodeError
+from sceneq_schemas.topics import LIVE, Delivery, Topic
+
+log = logging.getLogger(__name__)
+
+LIVENESS_TIMEOUT_S = 1.0
+MAX_REQUEST_BYTES = 1024 * 1024
+
+PRIORITY = {
+    Delivery.LATEST: zenoh.Priority.DATA_LOW,
+    Delivery.STATE: zenoh.Priority.DATA_HIGH,
+    Delivery.QUERY: zenoh.Priority.INTERACTIVE_HIGH,
+    Delivery.BACKGROUND: zenoh.Priority.BACKGROUND,
+}
+
+
+class ZenohBus:
+    """The ``Bus`` of one node, on a session of its own."""
+
+    def __init__(self, context: Context, endpoint: str, counters: Counters) -> None:
+        """Connect to the router at ``endpoint``; waits for it as long as it takes."""
+        self.context = context
+        self._session = open_session(endpoint)
+        self._counters = counters
+        self._inbox = Inbox()
+        self._pool = QueryPool()
+        self._publishers: dict[str, zenoh.Publisher] = {}
+        self._publishing = threading.Lock()
+        self._declared: list[Any] = []
+
+    def publish(self, topic: Topic, message: Any, **ids: str) -> None:
+        """Send ``message``, dropped rather than waited for when the link is full."""
+        data = to_bytes(topic, message)
+        self._publisher(topic, topic.key(**ids)).put(data)
+        self._counters.topic(topic.name, "out")
+
+    def subscribe(self, topic: Topic, *, depth: int, **ids: str) -> None:
+        """Deliver the topic to ``take``; beyond ``depth`` the oldest is dropped and counted."""
+        selector = topic.selector(**ids)
+        self._inbox.open(selector, depth)
+        enqueue = partial(self._enqueue, topic, selector)
+        self._declared.append(self._session.declare_subscriber(selector, enqueue))
+
+    def serve(self, topic: Topic, handler: Handler, **ids: str) -> None:
+        """Answer queries on the topic's key from the pool."""
+        key = topic.key(**ids)
+        served = _Queryable(topic, key, ids, handler, self._pool, self._counters)
+        self._declared.append(self._session.declare_queryable(key, served.accept))
+
+    def ask(
+        self,
+        topic: Topic,
+        *,
+        parameters: Mapping[str, str] | None = None,
+        payload: bytes = b"",
+        timeout_s: float = 2.0,
+        **ids: str,
+    ) -> list[Reply]:
+        """Return the replies; raise ``QueryError`` when there are only errors."""
+        selector = topic.key(**ids)
+        if parameters:
+            selector += "?" + format_parameters(parameters)
+        replies, errors = get(self._session, selector, payload, "", timeout_s)
+        if errors and not replies:
+            raise errors[0]
+        for _, reply in replies:
+            if len(reply.payload) > topic.max_bytes:
+                raise QueryError("too_large", f"{topic.name}: {len(reply.payload)} bytes")
+        return [reply for _, reply in replies]
+
+    def alive(self) -> frozenset[str]:
+        """Return the names of the nodes that hold a liveliness token."""
+        return frozenset(ids["node"] for ids in live_nodes(self._session))
+
+    def count(self, name: str, by: int = 1) -> None:
+        """Add to a counter that health and metrics publish."""
+        self._counters.count(name, by)
+
+    def report(self, **values: float | int | str) -> None:
+        """Set values that the next health message carries."""
+        self._counters.report(**values)
+
+    def announce(self, instance: str) -> None:
+        """Hold the liveliness token of this node until ``close``."""
+        key = LIVE.key(node=self.context.node, id=instance)
+        self._declared.append(self._session.liveliness().declare_token(key))
+
+    def take(self, timeout_s: float) -> Received | None:
+        """Return the next message that decodes, or ``None`` after ``timeout_s``."""
+        raw = self._inbox.take(timeout_s)
+        while raw is not None:
+            received = self._decode(raw)
+            if received is not None:
+                return received
+            raw = self._inbox.take(0.0)
+        return None
+
+    def depths(self) -> dict[str, int]:
+        """Return how many messages wait per key expression."""
+        return self._inbox.depths()
+
+    def close(self) -> None:
+        """Leave the network."""
+        close(self._session)
+
+    def _publisher(self, topic: Topic, key: str) -> zenoh.Publisher:
+        with self._publishing:
+            if key not in self._publishers:
+                self._publishers[key] = self._session.declare_publisher(
+                    key,
+                    encoding=topic.encoding,
+                    congestion_control=zenoh.CongestionControl.DROP,
+                    priority=PRIORITY[topic.delivery],
+                    express=topic.delivery is Delivery.QUERY,
+                )
+            return self._publishers[key]
+
+    def _enqueue(self, topic: Topic, selector: str, sample: zenoh.Sample) -> None:
+        """On zenoh's thread: look at the envelope only, then hand over."""
+        key, encoding, size = str(sample.key_expr), str(sample.encoding), len(sample.payload)
+        if encoding != topic.encoding:
+            self._undecodable(topic, key, f"encoding {encoding!r:.80}")
+        elif size > topic.max_bytes:
+            self._undecodable(topic, key, f"{size} bytes, the limit is {topic.max_bytes}")
+        elif not self._inbox.put(selector, Raw(topic, key, sample.payload.to_bytes())):
+            self._counters.topic(topic.name, "dropped")
+
+    def _decode(self, raw: Raw) -> Received | None:
+        try:
+            ids = raw.topic.ids(raw.key)
+            if ids is None:
+                raise DecodeError("an id outside [a-z0-9_-]+ in the key")
+            message = from_bytes(raw.topic, raw.data)
+        except DecodeError as error:
+            self._undecodable(raw.topic, raw.key, str(error))
+            return None
+        self._counters.topic(raw.topic.name, "in")
+        return Received(raw.topic, raw.key, ids, message)
+
+    def _undecodable(self, topic: Topic, key: str, reason: str) -> None:
+        """Count, and log the 1st, 2nd, 4th, 8th, ... so that a flood stays readable."""
+        total = self._counters.topic(topic.name, "undecodable")
+        if total & (total - 1) == 0:
+            log.warning("undecodable no. %d on %s: %s", total, key, reason)
+
+
+@dataclass(frozen=True, slots=True)
+class _Queryable:
+    """One served key: takes queries from zenoh's thread and answers them on the pool's."""
+
+    topic: Topic
+    key: str
+    ids: Mapping[str, str]
+    handler: Handler
+    pool: QueryPool
+    counters: Counters
+
+    def accept(self, query: zenoh.Query) -> None:
+        """On zenoh's thread: hand over to the pool, or refuse at once."""
+        try:
+            self.pool.submit(partial(self._respond, query))
+        except QueryError as busy:
+            self.counters.count("queries_refused")
+            with query:
+                query.reply_err(error_bytes(busy), encoding=ERROR_ENCODING)
+
+    def _respond(self, query: zenoh.Query) -> None:
+        with query:
+            outcome = self._outcome(query)
+            self.counters.topic(self.topic.name, "in")
+            if isinstance(outcome, QueryError):
+                self.counters.count(f"{self.topic.name}_errors")
+                query.reply_err(error_bytes(outcome), encoding=ERROR_ENCODING)
+            elif outcome is not None:
+                query.reply(self.key, outcome.payload, encoding=outcome.encoding)
+                self.counters.topic(self.topic.name, "out")
+
+    def _outcome(self, query: zenoh.Query) -> Reply | QueryError | None:
+        size = 0 if query.payload is None else len(query.payload)
+        if size > MAX_REQUEST_BYTES:
+            return QueryError("too_large", f"{size} bytes, the limit is {MAX_REQUEST_BYTES}")
+        return answer(self.handler, self._request(query))
+
+    def _request(self, query: zenoh.Query) -> Request:
+        return Request(
+            topic=self.topic,
+            key=self.key,
+            ids=self.ids,
+            wildcard=str(query.key_expr) != self.key,
+            parameters=parse_parameters(str(query.parameters)),
+            payload=b"" if query.payload is None else query.payload.to_bytes(),
+            encoding="" if query.encoding is None else str(query.encoding),
+        )
+
+
+def get(
+    session: zenoh.Session, selector: str, payload: bytes, encoding: str, timeout_s: float
+) -> tuple[list[tuple[str, Reply]], list[QueryError]]:
+    """Return the (key, reply) pairs and the errors that a query gets."""
+    replies, errors = [], []
+    for result in session.get(
+        selector,
+        payload=payload or None,
+        encoding=encoding or None,
+        timeout=timeout_s,
+        consolidation=zenoh.ConsolidationMode.NONE,
+        priority=zenoh.Priority.INTERACTIVE_HIGH,
+        express=True,
+    ):
+        if result.ok is not None:
+            reply = Reply(result.ok.payload.to_bytes(), str(result.ok.encoding))
+            replies.append((str(result.ok.key_expr), reply))
+        elif result.err is not None:
+            errors.append(error_from_bytes(result.err.payload.to_bytes()))
+    return replies, errors
+
+
+def live_nodes(session: zenoh.Session) -> list[dict[str, str]]:
+    """Return the ids in every liveliness token, sorted and without repetition."""
+    found = session.liveliness().get(LIVE.selector(), timeout=LIVENESS_TIMEOUT_S)
+    keys = sorted({str(result.ok.key_expr) for result in found if result.ok is not None})
+    return [ids for key in keys if (ids := LIVE.ids(key)) is not None]
+
+
+def open_session(endpoint: str, timeout_s: float | None = None) -> zenoh.Session:
+    """Return a client session of the router at ``endpoint``.
+
+    Raises:
+        ConnectionError: no router answers within ``timeout_s`` (``None`` = wait for ever).
+    """
+    connect = {
+        "endpoints": [endpoint],
+        "timeout_ms": -1 if timeout_s is None else int(1000 * timeout_s),
+        "exit_on_failure": timeout_s is not None,
+        "retry": {"period_init_ms": 200, "period_max_ms": 1000},
+    }
+    try:
+        return _open("client", connect=connect)
+    except zenoh.ZError as error:
+        raise ConnectionError(f"no router at {endpoint}: start one with 'sceneq up'") from error
+
+
+def open_router(listen: Sequence[str], connect: Sequence[str]) -> zenoh.Session:
+    """Return a router session; raise ``ConnectionError`` when it cannot listen."""
+    join = {"endpoints": list(connect), "timeout_ms": 0, "exit_on_failure": False}
+    try:
+        return _open("router", listen={"endpoints": list(listen)}, connect=join)
+    except zenoh.ZError as error:
+        reason = "the port is in use" if "in use" in str(error) else str(error)
+        raise ConnectionError(f"cannot listen on {', '.join(listen)}: {reason}") from error
+
+
+def close(session: zenoh.Session) -> None:
+    """Leave the network; zenoh's threads would keep the process alive without it."""
+    session.close()  # type: ignore[no-untyped-call]
+
+
+def _open(mode: str, **entries: Any) -> zenoh.Session:
+    zenoh.init_log_from_env_or("error")
+    return zenoh.open(zenoh.Config.from_json5(json.dumps(session_config(mode, **entries))))

@@ -1,0 +1,41 @@
+"""How Scene-Q configures a Zenoh session, and why."""
+
+from typing import Any
+
+SHARED_MEMORY_POOL_BYTES = 64 * 1024 * 1024
+DROP_AFTER_US = 20_000
+"""How long a full link may hold up a writer before the message is dropped."""
+LEASE_MS = 5_000
+"""A process that stops answering loses its session, and its liveliness token, after this time."""
+QUERY_TIMEOUT_MS = 30_000
+
+
+def session_config(mode: str, **entries: Any) -> dict[str, Any]:
+    """Return the configuration of a session in ``mode`` (client, router) plus ``entries``.
+
+    No multicast: a process talks to its machine's router and to nobody it was not told of. Only
+    published data goes through shared memory; queries stay on the link, in order.
+    """
+    return {
+        "mode": mode,
+        "scouting": {"multicast": {"enabled": False}},
+        "timestamping": {"enabled": True},
+        "queries_default_timeout": QUERY_TIMEOUT_MS,
+        "transport": {"shared_memory": _SHARED_MEMORY, "link": _LINK},
+        **entries,
+    }
+
+
+_SHARED_MEMORY = {
+    "transport_optimization": {"pool_size": SHARED_MEMORY_POOL_BYTES, "messages": ["put"]}
+}
+_LINK = {
+    "tx": {
+        "lease": LEASE_MS,
+        "queue": {
+            "size": {"data_high": 16, "data": 16, "data_low": 16},
+            "congestion_control": {"drop": {"wait_before_drop": DROP_AFTER_US}},
+        },
+    },
+    "rx": {"buffer_size": 1024 * 1024},
+}

@@ -1,0 +1,57 @@
+"""Boxes round a set of points, one edge along gravity."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from sceneq_core.arrays import Float64
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """Metres, world frame: see ``Instance`` for the shapes."""
+
+    centre_world: Float64
+    aabb_world: Float64
+    T_world_box: Float64
+    box_size_m: Float64
+
+
+def box_around(points_world: Float64, up_world: Float64) -> Box:
+    """Return the boxes of ``points_world`` float64 (N, 3), N > 0.
+
+    The oriented box has z along ``up_world`` and x along its longer horizontal edge; its
+    horizontal rectangle has the smallest area (rotating calipers).
+    """
+    centre = points_world.mean(axis=0)
+    R_world_level = _level_axes(up_world)
+    level = (points_world - centre) @ R_world_level
+    (middle_x, middle_y), (length, width), angle_deg = cv2.minAreaRect(
+        level[:, :2].astype(np.float32)
+    )
+    if width > length:
+        length, width, angle_deg = width, length, angle_deg + 90.0
+    low, high = float(level[:, 2].min()), float(level[:, 2].max())
+    T_world_box = np.eye(4)
+    T_world_box[:3, :3] = R_world_level @ _turn(np.deg2rad(angle_deg))
+    T_world_box[:3, 3] = centre + R_world_level @ [middle_x, middle_y, (low + high) / 2.0]
+    return Box(
+        centre_world=centre,
+        aabb_world=np.stack((points_world.min(axis=0), points_world.max(axis=0))),
+        T_world_box=T_world_box,
+        box_size_m=np.array([length, width, high - low]),
+    )
+
+
+def _level_axes(up_world: Float64) -> Float64:
+    """Return a rotation (3, 3) whose third column is ``up_world``."""
+    helper = np.eye(3)[int(np.argmin(np.abs(up_world)))]
+    x = np.cross(helper, up_world)
+    x /= np.linalg.norm(x)
+    return np.stack((x, np.cross(up_world, x), up_world), axis=1)
+
+
+def _turn(angle: float) -> Float64:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

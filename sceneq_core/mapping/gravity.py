@@ -1,0 +1,77 @@
+"""Which way is up, from the horizontal surfaces of the scene and how the camera is held."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sceneq_core.arrays import Float64
+
+_BINS_PER_UNIT = 8
+_SIDE = 2 * _BINS_PER_UNIT + 1
+
+
+@dataclass(frozen=True, slots=True)
+class GravityParams:
+    """How up is estimated.
+
+    ``up_world`` fixes the direction when the source knows it; ``cone_deg`` is how far a surface
+    may lean to count as horizontal; below ``min_voxels`` such voxels the camera alone decides.
+    """
+
+    up_world: tuple[float, float, float] | None = None
+    cone_deg: float = 15.0
+    min_voxels: int = 500
+
+    def __post_init__(self) -> None:
+        if self.up_world is not None and not np.linalg.norm(self.up_world) > 0.0:
+            raise ValueError(f"up_world: must not be zero, got {self.up_world}")
+        if not 0.0 < self.cone_deg < 45.0:
+            raise ValueError(f"cone_deg: must be in 0..45, got {self.cone_deg}")
+        if self.min_voxels < 1:
+            raise ValueError(f"min_voxels: must be at least 1, got {self.min_voxels}")
+
+
+class Gravity:
+    """A histogram of the normals of all surfaces and the mean up axis of the camera.
+
+    People and robots hold a camera roughly upright, which says which of the dominant planes is
+    the floor; the planes say precisely where up is.
+    """
+
+    def __init__(self, params: GravityParams) -> None:
+        self._params = params
+        self._normal_sum = np.zeros((_SIDE**3, 3))
+        self._area = np.zeros(_SIDE**3)
+        self._camera_up_sum = np.zeros(3)
+
+    def add(self, normals_world: Float64, T_world_camera: Float64) -> None:
+        """Count normals float64 (N, 3) of newly found surface and the pose that saw them."""
+        self._camera_up_sum -= T_world_camera[:3, 1]
+        cube = np.rint(normals_world * _BINS_PER_UNIT).astype(np.int64) + _BINS_PER_UNIT
+        place = (cube[:, 0] * _SIDE + cube[:, 1]) * _SIDE + cube[:, 2]
+        self._area += np.bincount(place, minlength=_SIDE**3)
+        for axis in range(3):
+            self._normal_sum[:, axis] += np.bincount(place, normals_world[:, axis], _SIDE**3)
+
+    def up_world(self) -> Float64:
+        """Return the unit vector against gravity, float64 (3,), world frame."""
+        if self._params.up_world is not None:
+            return _unit(np.array(self._params.up_world, np.float64))
+        camera_up = _unit(self._camera_up_sum)
+        used = np.flatnonzero(self._area)
+        axes, area = self._normal_sum[used], self._area[used]
+        length = np.sqrt((axes**2).sum(axis=1))
+        axes = np.divide(axes, length[:, None], where=length[:, None] > 0, out=np.zeros_like(axes))
+        within = np.abs(axes @ axes.T) > np.cos(np.deg2rad(self._params.cone_deg))
+        parallel_area = within @ area
+        best = int(np.argmax(parallel_area * (axes @ camera_up) ** 2)) if len(used) else -1
+        if best < 0 or parallel_area[best] < self._params.min_voxels:
+            return camera_up
+        side = np.sign(axes[within[best]] @ axes[best]) * area[within[best]]
+        mean = _unit((axes[within[best]] * side[:, None]).sum(axis=0))
+        return mean if mean @ camera_up > 0 else -mean
+
+
+def _unit(vector: Float64) -> Float64:
+    length = float(np.sqrt((vector**2).sum()))
+    return vector / length if length > 0 else np.array([0.0, 0.0, 1.0])

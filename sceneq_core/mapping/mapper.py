@@ -1,0 +1,140 @@
+"""The map: voxels, superpoints and instances, frame by frame."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sceneq_core.arrays import Float64, Int32, UInt16
+from sceneq_core.frame import Frame
+from sceneq_core.mapping.association import Association, AssociationParams
+from sceneq_core.mapping.delta import Instance, MapDelta
+from sceneq_core.mapping.free_space import FreeSpaceParams, clear_free_space
+from sceneq_core.mapping.gravity import Gravity, GravityParams
+from sceneq_core.mapping.published import Published
+from sceneq_core.mapping.registry import Members, Registry, RegistryParams
+from sceneq_core.mapping.superpoints import SuperpointParams, Superpoints
+from sceneq_core.mapping.surface import Surface, SurfaceParams, measure_surface
+from sceneq_core.mapping.visibility import Sighting, sight
+from sceneq_core.mapping.voxels import Touched, Voxels
+
+
+@dataclass(frozen=True, slots=True)
+class MapperParams:
+    """All parameters of the map.
+
+    ``voxel_size_m`` edge of a voxel; ``min_superpoint_pixels`` surface points from which a
+    superpoint counts as seen; ``publish_step_m`` how far a voxel's mean moves before readers are
+    told.
+    """
+
+    voxel_size_m: float = 0.02
+    min_superpoint_pixels: int = 3
+    publish_step_m: float = 0.002
+    surface: SurfaceParams = field(default_factory=SurfaceParams)
+    free_space: FreeSpaceParams = field(default_factory=FreeSpaceParams)
+    superpoints: SuperpointParams = field(default_factory=SuperpointParams)
+    association: AssociationParams = field(default_factory=AssociationParams)
+    instances: RegistryParams = field(default_factory=RegistryParams)
+    gravity: GravityParams = field(default_factory=GravityParams)
+
+    def __post_init__(self) -> None:
+        if self.voxel_size_m <= 0.0:
+            raise ValueError(f"voxel_size_m: must be positive, got {self.voxel_size_m}")
+        if self.min_superpoint_pixels < 1:
+            raise ValueError(
+                f"min_superpoint_pixels: must be at least 1, got {self.min_superpoint_pixels}"
+            )
+        if self.publish_step_m < 0.0:
+            raise ValueError(f"publish_step_m: must not be negative, got {self.publish_step_m}")
+
+
+class Mapper:
+    """Grows a map from posed frames with 2D segments. Same frames, same order: same bits."""
+
+    def __init__(self, params: MapperParams) -> None:
+        self._params = params
+        self._voxels = Voxels(params.voxel_size_m)
+        self._superpoints = Superpoints(params.superpoints)
+        self._association = Association(params.association)
+        self._registry = Registry(params.instances)
+        self._gravity = Gravity(params.gravity)
+        self._published = Published(params.publish_step_m)
+        self._keyframes = 0
+        self._last_seq = -1
+        self._last_stamp_ns = 0
+
+    def integrate(self, frame: Frame, label_image: UInt16) -> MapDelta:
+        """Add a keyframe with its segments, uint16 (H, W), 0 = none; return what changed.
+
+        Raises:
+            ValueError: ``label_image`` has another size than the frame, the pose is not finite or
+                more than ``COORD_LIMIT`` voxels from the origin. The map is unchanged then.
+        """
+        _check(frame, label_image)
+        surface = measure_surface(frame, self._params.surface)
+        known = len(self._voxels)
+        touched = self._voxels.integrate(surface)
+        cleared = clear_free_space(
+            self._voxels, frame, touched.voxel_id, self._params.free_space
+        )
+        self._gravity.add(self._new_normals(known), frame.T_world_camera)
+        voxel_id, change = self._superpoints.update(self._voxels, touched.voxel_id, cleared)
+        sighting = self._sight(surface, touched, label_image)
+        groups = self._association.update(change, sighting, self._keyframes)
+        instances = self._registry.update(
+            groups, self._members, frame.stamp_ns, self._gravity.up_world()
+        )
+        self._keyframes += 1
+        self._last_seq, self._last_stamp_ns = frame.seq, frame.stamp_ns
+        changed = self._published.renew(self._voxels, self._superpoints, voxel_id)
+        return self._delta(False, changed, self._published.retract(cleared), instances)
+
+    def snapshot(self) -> MapDelta:
+        """Return the whole map: what all deltas so far add up to, without what was removed."""
+        active = [i for _, i in sorted(self._registry.instances.items()) if i.state == "active"]
+        none = np.zeros(0, np.int32)
+        return self._delta(True, self._published.all_ids(), none, tuple(active))
+
+    def _new_normals(self, known: int) -> Float64:
+        return self._voxels.normals_world(np.arange(known, len(self._voxels), dtype=np.int32))
+
+    def _sight(self, surface: Surface, touched: Touched, label_image: UInt16) -> Sighting:
+        superpoint = self._superpoints.of(touched.voxel_id)[touched.of_point]
+        label = label_image[surface.row, surface.column]
+        return sight(superpoint, label, self._params.min_superpoint_pixels)
+
+    def _members(self, group: int) -> Members:
+        superpoint_id = self._association.members(group)
+        voxel_id = self._superpoints.voxels(self._voxels, superpoint_id)
+        return Members(superpoint_id, self._voxels.points_world(voxel_id))
+
+    def _delta(
+        self,
+        full: bool,
+        voxel_id: Int32,
+        removed_voxel_id: Int32,
+        instances: tuple[Instance, ...],
+    ) -> MapDelta:
+        return MapDelta(
+            full=full,
+            frame_seq=self._last_seq,
+            stamp_ns=self._last_stamp_ns,
+            voxel_size_m=self._params.voxel_size_m,
+            up_world=self._gravity.up_world(),
+            voxel_id=voxel_id,
+            voxel_coord=self._voxels.coord(voxel_id),
+            points_world=self._published.points_world[voxel_id],
+            rgb=self._published.rgb[voxel_id],
+            superpoint_id=self._published.superpoint_id[voxel_id],
+            removed_voxel_id=removed_voxel_id,
+            instances=instances,
+        )
+
+
+def _check(frame: Frame, label_image: UInt16) -> None:
+    if label_image.shape != frame.depth_m.shape:
+        raise ValueError(
+            f"label_image: expected {frame.depth_m.shape}, got {label_image.shape}"
+        )
+    if not np.isfinite(frame.T_world_camera).all():
+        raise ValueError(f"T_world_camera: not finite in frame {frame.seq}")

@@ -1,0 +1,135 @@
+"""The public life of instances: when a group of superpoints gets an id, and when it ends."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sceneq_core.arrays import Float64, Int32
+from sceneq_core.mapping.association import GroupChange
+from sceneq_core.mapping.boxes import box_around
+from sceneq_core.mapping.delta import Instance
+
+
+@dataclass(frozen=True, slots=True)
+class RegistryParams:
+    """What a group needs to be an instance: ``min_views`` keyframes and ``min_voxels``.
+
+    An instance that shrinks ends below half of ``min_voxels``.
+    """
+
+    min_views: int = 2
+    min_voxels: int = 30
+
+    def __post_init__(self) -> None:
+        if self.min_views < 1:
+            raise ValueError(f"min_views: must be at least 1, got {self.min_views}")
+        if self.min_voxels < 1:
+            raise ValueError(f"min_voxels: must be at least 1, got {self.min_voxels}")
+
+
+@dataclass(frozen=True, slots=True)
+class Members:
+    """What a group consists of now: ``superpoint_id`` sorted and ``points_world`` of its voxels."""
+
+    superpoint_id: Int32
+    points_world: Float64
+
+
+@dataclass(slots=True)
+class _Life:
+    views: int
+    first_seen_ns: int
+    last_seen_ns: int
+    parent: int = 0
+    instance_id: int = 0
+    active: bool = False
+
+
+class Registry:
+    """Gives ids from 1, in the order in which groups become instances, and never twice."""
+
+    def __init__(self, params: RegistryParams) -> None:
+        self._params = params
+        self._lives: dict[int, _Life] = {}
+        self._next_id = 1
+        self.instances: dict[int, Instance] = {}
+
+    def update(
+        self,
+        change: GroupChange,
+        members: Callable[[int], Members],
+        stamp_ns: int,
+        up_world: Float64,
+    ) -> tuple[Instance, ...]:
+        """Follow the groups of one keyframe; return the instances that differ, by id."""
+        news: dict[int, Instance] = {}
+        self._see(change, stamp_ns)
+        for source, target in change.merged:
+            news |= self._merge(source, target)
+        for group in change.changed.tolist():
+            news |= self._follow(group, members(group), up_world)
+        self.instances |= news
+        return tuple(news[instance_id] for instance_id in sorted(news))
+
+    def _see(self, change: GroupChange, stamp_ns: int) -> None:
+        for group, parent in change.founded:
+            origin = self._lives.get(parent)
+            parent_id = origin.instance_id if origin else 0
+            self._lives[group] = _Life(0, stamp_ns, stamp_ns, parent_id)
+        for group in change.seen.tolist():
+            life = self._lives[group]
+            life.views += 1
+            life.last_seen_ns = max(life.last_seen_ns, stamp_ns)
+
+    def _merge(self, source: int, target: int) -> dict[int, Instance]:
+        """Let ``target`` go on under the older id; the other id ends as merged."""
+        gone, kept = self._lives.pop(source), self._lives[target]
+        kept.views = max(kept.views, gone.views)
+        kept.first_seen_ns = min(kept.first_seen_ns, gone.first_seen_ns)
+        kept.last_seen_ns = max(kept.last_seen_ns, gone.last_seen_ns)
+        ids = sorted(i for i in (kept.instance_id, gone.instance_id) if i)
+        kept.active = kept.active or gone.active
+        kept.instance_id = ids[0] if ids else 0
+        if len(ids) < 2:
+            return {}
+        return {ids[1]: replace(self.instances[ids[1]], state="removed", merged_into=ids[0])}
+
+    def _follow(self, group: int, members: Members, up_world: Float64) -> dict[int, Instance]:
+        life = self._lives.get(group)
+        if life is None:
+            return {}
+        size = len(members.points_world)
+        active = life.views >= self._params.min_views and size >= self._params.min_voxels
+        active |= life.active and 2 * size >= self._params.min_voxels
+        ended = life.active and not active
+        life.active = active
+        if not len(members.superpoint_id):
+            del self._lives[group]
+        if ended:
+            last = self.instances[life.instance_id]
+            return {life.instance_id: replace(last, state="removed")}
+        return self._describe(life, members, up_world) if active else {}
+
+    def _describe(
+        self, life: _Life, members: Members, up_world: Float64
+    ) -> dict[int, Instance]:
+        if not life.instance_id:
+            life.instance_id = self._next_id
+            self._next_id += 1
+        box = box_around(members.points_world, up_world)
+        instance = Instance(
+            instance_id=life.instance_id,
+            state="active",
+            merged_into=0,
+            parent=life.parent,
+            superpoint_id=members.superpoint_id,
+            voxel_count=len(members.points_world),
+            centre_world=box.centre_world,
+            aabb_world=box.aabb_world,
+            T_world_box=box.T_world_box,
+            box_size_m=box.box_size_m,
+            first_seen_ns=life.first_seen_ns,
+            last_seen_ns=life.last_seen_ns,
+        )
+        return {life.instance_id: instance}

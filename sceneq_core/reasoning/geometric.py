@@ -1,0 +1,263 @@
+"""The built-in reasoner: what the map's geometry alone can decide."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from sceneq_core.arrays import Float64
+from sceneq_core.reasoning.reasoner import Candidate, Constraint, Problem, Verdict
+from sceneq_core.reasoning.relations import (
+    RELATIONS,
+    VIEWER_RELATIVE,
+    Pair,
+    RelationParams,
+)
+from sceneq_core.reasoning.superlatives import (
+    COMPARED_TO_ANCHOR,
+    SUPERLATIVES,
+    probability_of_first,
+)
+from sceneq_core.reasoning.upright import UprightBox, point_box, upright_axes, upright_box
+
+
+@dataclass(frozen=True, slots=True)
+class GeometricParams:
+    """``min_score``: product of target, anchor and relation score below which it does not hold."""
+
+    relations: RelationParams = field(default_factory=RelationParams)
+    min_score: float = 0.05
+
+    def __post_init__(self) -> None:
+        if not 0 < self.min_score < 1:
+            raise ValueError(f"min_score: {self.min_score} is not between 0 and 1")
+
+
+@dataclass(frozen=True, slots=True)
+class _Holding:
+    """How well one constraint holds for every target (N,), and with which anchor (index or -1)."""
+
+    score: Float64
+    anchor: tuple[int, ...]
+
+
+class GeometricReasoner:
+    """Ranks targets by P(target) x P(anchor) x how well the relation holds.
+
+    The probabilities count relative to the best candidate of their words: the question presumes
+    that there is such a thing, the geometry says which.
+    """
+
+    Params: ClassVar[type] = GeometricParams
+
+    def __init__(self, params: GeometricParams) -> None:
+        self.params = params
+
+    def solve(self, problem: Problem) -> Verdict:
+        """Return the targets that satisfy all constraints.
+
+        Raises:
+            ValueError: an unknown relation, or a constraint on words without candidates.
+        """
+        targets = [c for c in problem.candidates if c.role == "target"]
+        if not targets:
+            return Verdict((), f"nothing in the map may be '{problem.target}'", 0)
+        if not problem.constraints:
+            return _undecided(targets)
+        relational, comparing = _sorted_out(problem.constraints)
+        holdings = [self._relate(problem, constraint, targets) for constraint in relational]
+        score = _relative([c.p for c in targets])
+        for holding in holdings:
+            score = score * holding.score
+        for constraint in comparing:
+            compared = self._compare(problem, constraint, targets, score)
+            score = compared.score
+            holdings.append(compared)
+        return self._verdict(problem, (*relational, *comparing), targets, score, holdings)
+
+    def _verdict(
+        self,
+        problem: Problem,
+        constraints: tuple[Constraint, ...],
+        targets: list[Candidate],
+        score: Float64,
+        holdings: list[_Holding],
+    ) -> Verdict:
+        """Turn scores into probabilities; ``min_score`` is the weight of "none of them"."""
+        keep = [i for i in np.argsort(-score, kind="stable") if score[i] >= self.params.min_score]
+        if not keep:
+            return Verdict((), _none_reason(problem), 0)
+        p = score / (score[keep].sum() + self.params.min_score)
+        ranking = tuple((targets[i].instance_id, float(p[i])) for i in keep)
+        return Verdict(ranking, _reason(problem, constraints, targets, keep[0], holdings), 0)
+
+    def _relate(
+        self, problem: Problem, constraint: Constraint, targets: list[Candidate]
+    ) -> _Holding:
+        """Score a relation with the anchor that explains each target best."""
+        if not constraint.anchor and constraint.relation in VIEWER_RELATIVE:
+            return _Holding(np.ones(len(targets)), (-1,) * len(targets))
+        anchors = _anchors(problem, constraint.anchor)
+        weight = _relative([a.p for a in anchors]) if anchors else np.ones(1)
+        pairs = np.array([self._row(problem, constraint, t, anchors) for t in targets]) * weight
+        best = pairs.argmax(axis=1)
+        chosen = tuple(int(j) if anchors else -1 for j in best)
+        return _Holding(pairs[np.arange(len(targets)), best], chosen)
+
+    def _row(
+        self,
+        problem: Problem,
+        constraint: Constraint,
+        target: Candidate,
+        anchors: list[Candidate],
+    ) -> list[float]:
+        """Score one target against every anchor; a thing is not next to itself."""
+        relation, params = RELATIONS[constraint.relation], self.params.relations
+        if not anchors:
+            return [relation(_viewer_pair(problem, target), params)]
+        return [
+            0.0
+            if anchor.instance_id == target.instance_id
+            else relation(_pair(problem, target, anchor), params)
+            for anchor in anchors
+        ]
+
+    def _compare(
+        self,
+        problem: Problem,
+        constraint: Constraint,
+        targets: list[Candidate],
+        score: Float64,
+    ) -> _Holding:
+        """Score a superlative: which of the targets comes first, averaged over the anchors."""
+        weight = score / score.max() if score.max() > 0 else score
+        to_anchor = constraint.relation in COMPARED_TO_ANCHOR
+        anchors = _anchors(problem, constraint.anchor) if to_anchor else []
+        if not anchors:
+            measure = _measures(problem, constraint.relation, targets, None)
+            return _Holding(probability_of_first(weight, measure), (-1,) * len(targets))
+        share = np.array([a.p for a in anchors])
+        share = share / share.sum() if share.sum() > 0 else np.full(len(anchors), 1 / len(anchors))
+        first = np.array(
+            [
+                probability_of_first(
+                    weight * [t.instance_id != anchor.instance_id for t in targets],
+                    _measures(problem, constraint.relation, targets, anchor),
+                )
+                for anchor in anchors
+            ]
+        )
+        parts = first * share[:, None]
+        return _Holding(parts.sum(axis=0), tuple(int(j) for j in parts.argmax(axis=0)))
+
+
+def _undecided(targets: list[Candidate]) -> Verdict:
+    """Without a relation or a size there is nothing to add to what the encoder said."""
+    ranked = sorted(targets, key=lambda target: -target.p)
+    reason = "the question names no relation or size that geometry could decide by"
+    return Verdict(tuple((target.instance_id, target.p) for target in ranked), reason, 0)
+
+
+def _sorted_out(
+    constraints: tuple[Constraint, ...],
+) -> tuple[tuple[Constraint, ...], tuple[Constraint, ...]]:
+    """Separate relations from superlatives, which choose among what the relations leave."""
+    for constraint in constraints:
+        if constraint.relation not in RELATIONS and constraint.relation not in SUPERLATIVES:
+            raise ValueError(f"relation: unknown {constraint.relation!r}")
+    relational = tuple(c for c in constraints if c.relation in RELATIONS)
+    return relational, tuple(c for c in constraints if c.relation in SUPERLATIVES)
+
+
+def _anchors(problem: Problem, words: str) -> list[Candidate]:
+    """Return the anchor candidates for ``words``, none for the viewer."""
+    found = [c for c in problem.candidates if c.role == "anchor" and c.words == words]
+    if words and not found:
+        raise ValueError(f"candidates: none for the anchor {words!r}")
+    return found if words else []
+
+
+def _relative(p: list[float]) -> Float64:
+    """Return probabilities relative to the largest; all equal when all are zero."""
+    values = np.array(p, np.float64)
+    return values / values.max() if values.max() > 0 else np.ones(len(p))
+
+
+def _pair(problem: Problem, target: Candidate, anchor: Candidate) -> Pair:
+    axes = upright_axes(anchor.T_world_box, problem.up_world)
+    return Pair(
+        target=upright_box(target, axes),
+        anchor=upright_box(anchor, axes),
+        offset_viewer=_viewer_axes(problem, anchor) @ (target.centre_world - anchor.centre_world),
+    )
+
+
+def _viewer_pair(problem: Problem, target: Candidate) -> Pair:
+    axes = upright_axes(target.T_world_box, problem.up_world)
+    viewer = point_box(problem.viewpoint_world, axes)
+    return Pair(target=upright_box(target, axes), anchor=viewer, offset_viewer=np.zeros(3))
+
+
+def _viewer_axes(problem: Problem, anchor: Candidate) -> Float64:
+    """Return rows (3, 3): right, forward and up of somebody who looks at the anchor."""
+    up = problem.up_world / np.linalg.norm(problem.up_world)
+    forward = anchor.centre_world - problem.viewpoint_world
+    forward = forward - (forward @ up) * up
+    if np.linalg.norm(forward) < 1e-6:
+        forward = upright_axes(anchor.T_world_box, up)[0]
+    forward = forward / np.linalg.norm(forward)
+    return np.stack([np.cross(forward, up), forward, up])
+
+
+def _measures(
+    problem: Problem, superlative: str, targets: list[Candidate], anchor: Candidate | None
+) -> Float64:
+    """Return what the superlative makes small, (N,); distances without anchor are the viewer's."""
+    measure = SUPERLATIVES[superlative]
+    values = []
+    for target in targets:
+        axes = upright_axes((anchor or target).T_world_box, problem.up_world)
+        other: UprightBox = (
+            upright_box(anchor, axes) if anchor else point_box(problem.viewpoint_world, axes)
+        )
+        values.append(measure(upright_box(target, axes), other))
+    return np.array(values)
+
+
+def _none_reason(problem: Problem) -> str:
+    wanted = " and ".join(_said(c, None) for c in problem.constraints)
+    return f"none of the candidates for '{problem.target or 'anything'}' is {wanted}"
+
+
+def _reason(
+    problem: Problem,
+    constraints: tuple[Constraint, ...],
+    targets: list[Candidate],
+    best: int,
+    holdings: list[_Holding],
+) -> str:
+    """Name the winner and, for each constraint, the anchor that made it win."""
+    parts = []
+    for constraint, holding in zip(constraints, holdings, strict=True):
+        index = holding.anchor[best]
+        anchors = _anchors(problem, constraint.anchor)
+        parts.append(_said(constraint, anchors[index] if index >= 0 else None))
+    name = problem.target or targets[best].label
+    return f"'{name}' {targets[best].instance_id} is {' and '.join(parts)}"
+
+
+def _said(constraint: Constraint, anchor: Candidate | None) -> str:
+    words = constraint.relation.replace("_", " ")
+    if constraint.relation in SUPERLATIVES:
+        words = f"the {words}"
+    if constraint.relation in COMPARED_TO_ANCHOR:
+        words += " to" if constraint.relation == "nearest" else " from"
+    if anchor is not None:
+        return f"{words} '{constraint.anchor}' {anchor.instance_id}"
+    if constraint.anchor:
+        return f"{words} '{constraint.anchor}'"
+    return f"{words} the viewer" if _needs_anchor(constraint.relation) else words
+
+
+def _needs_anchor(relation: str) -> bool:
+    return relation in RELATIONS or relation in COMPARED_TO_ANCHOR

@@ -1,0 +1,73 @@
+"""The few instances a reasoner gets to see."""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from sceneq_core.arrays import Float64
+from sceneq_core.reasoning.reasoner import Candidate, Problem
+from sceneq_core.routing.likelihood import Fit
+from sceneq_core.routing.question import Question
+from sceneq_core.routing.scene import SceneInstance, SceneSnapshot
+
+
+def pose_problem(
+    snapshot: SceneSnapshot, question: Question, fits: Mapping[str, Fit], top_k: int
+) -> Problem:
+    """Return the question with its ``top_k`` best targets, and as many for every anchor."""
+    phrase = question.phrase
+    anchors = tuple(dict.fromkeys(c.anchor for c in phrase.constraints if c.anchor))
+    chosen = [
+        _candidates(snapshot, "anchor", words, fits[words], fits[words].order[:top_k])
+        for words in anchors
+    ]
+    rows = _target_rows(snapshot, question, fits)[:top_k]
+    targets = _candidates(snapshot, "target", phrase.target, fits[phrase.target], rows)
+    return Problem(
+        text=question.text,
+        target=phrase.target,
+        constraints=phrase.constraints,
+        candidates=(*targets, *(c for group in chosen for c in group)),
+        up_world=snapshot.up_world,
+        viewpoint_world=snapshot.viewpoint_world,
+    )
+
+
+def _target_rows(snapshot: SceneSnapshot, question: Question, fits: Mapping[str, Fit]) -> list[int]:
+    """Best first; when anything will do ("what is on the table?"), closest to the anchor first."""
+    phrase = question.phrase
+    anchor = next((c.anchor for c in phrase.constraints if c.anchor), "")
+    if phrase.target or not anchor:
+        return fits[phrase.target].order
+    gaps = _gaps(snapshot, fits[anchor].order[0])
+    return [int(row) for row in np.argsort(gaps, kind="stable") if row != fits[anchor].order[0]]
+
+
+def _gaps(snapshot: SceneSnapshot, row: int) -> Float64:
+    """Return the distances (N,) between the axis-aligned boxes and that of ``row``, metres."""
+    boxes = np.stack([instance.geometry.aabb_world for instance in snapshot.instances])
+    apart = np.maximum(boxes[:, 0] - boxes[row, 1], boxes[row, 0] - boxes[:, 1])
+    gaps: Float64 = np.linalg.norm(np.maximum(apart, 0.0), axis=1)
+    return gaps
+
+
+def _candidates(
+    snapshot: SceneSnapshot, role: str, words: str, fit: Fit, rows: Iterable[int]
+) -> list[Candidate]:
+    return [_candidate(snapshot, role, words, fit, row) for row in rows]
+
+
+def _candidate(snapshot: SceneSnapshot, role: str, words: str, fit: Fit, row: int) -> Candidate:
+    instance = snapshot.instances[row]
+    return Candidate(
+        instance_id=instance.instance_id,
+        role=role,
+        words=words,
+        label=instance.label.name,
+        p=p,
+        cosine=cosine,
+        centre_world=instance.geometry.centre_world,
+        T_world_box=instance.geometry.T_world_box,
+        box_size_m=instance.geometry.box_size_m,
+        views=tuple((view.seq, view.box_xyxy) for view in instance.views),
+    )

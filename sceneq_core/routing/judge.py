@@ -1,0 +1,67 @@
+"""How bold an answer may be."""
+
+from dataclasses import dataclass, field
+
+from sceneq_core.routing.answer import AMBIGUOUS, FOUND, NOT_FOUND
+from sceneq_core.routing.gate import Confidence, Gate, GateParams
+from sceneq_core.routing.likelihood import Fit
+
+
+@dataclass(frozen=True, slots=True)
+class JudgeParams:
+    """What a status needs, besides the gate.
+
+    ``min_presence``: probability of the words for the best instance, against the label set, that
+    ``found`` needs. ``absent_lift``: when that probability is below this multiple of chance, a
+    label picked blindly would fit better, and the thing is ``not_found``.
+    """
+
+    gate: GateParams = field(default_factory=GateParams)
+    min_presence: float = 0.3
+    absent_lift: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.min_presence <= 1:
+            raise ValueError(f"min_presence: {self.min_presence} is not in [0, 1]")
+        if not self.absent_lift >= 0:
+            raise ValueError(f"absent_lift: {self.absent_lift} is negative")
+
+
+class Judge:
+    """Chooses between ``found``, ``ambiguous`` and ``not_found``, and says why.
+
+    Between "surely there" and "surely not" lies ``ambiguous``: a weak encoder ends there most of
+    the time, and says so rather than guess boldly.
+    """
+
+    def __init__(self, params: JudgeParams) -> None:
+        self.params = params
+        self._gate = Gate(params.gate)
+
+    def knows(self, presence: float) -> bool:
+        """Return whether there surely is such a thing."""
+        return presence >= self.params.min_presence
+
+    def accepts(self, confidence: Confidence) -> bool:
+        """Return whether the gate lets the first guess pass."""
+        return self._gate.accepts(confidence)
+
+    def judge(self, words: str, fit: Fit, confidence: Confidence) -> tuple[str, str]:
+        """Return status and reason of the encoder's own answer to ``words``."""
+        if fit.presence < self.params.absent_lift * fit.chance:
+            return NOT_FOUND, f"'{words}' fits no instance better than a label picked blindly"
+        if not self.accepts(confidence):
+            return AMBIGUOUS, hesitation(confidence)
+        if not self.knows(fit.presence):
+            return AMBIGUOUS, (
+                f"one instance stands out, but is '{words}' only with p {fit.presence:.2f}"
+            )
+        return FOUND, "the gate accepts the encoder's first guess"
+
+
+def hesitation(confidence: Confidence) -> str:
+    """Say why the gate does not let the first guess pass."""
+    return (
+        f"not sure which: p {confidence.p_max:.2f}, margin {confidence.margin:.2f}, "
+        f"entropy {confidence.entropy_norm:.2f} of its maximum"
+    )

@@ -1,0 +1,195 @@
+"""From a question to an answer: at once when the encoder is sure, by a reasoner when not."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from sceneq_core.encoding.encoder import Encoder
+from sceneq_core.reasoning.reasoner import Problem, Verdict
+from sceneq_core.routing.answer import (
+    AMBIGUOUS,
+    FALLBACK,
+    FAST,
+    FOUND,
+    NOT_FOUND,
+    REASONED,
+    Answer,
+    Match,
+    Naming,
+)
+from sceneq_core.routing.candidates import pose_problem
+from sceneq_core.routing.gate import Confidence
+from sceneq_core.routing.judge import Judge, JudgeParams, hesitation
+from sceneq_core.routing.labels import Labeller
+from sceneq_core.routing.likelihood import Fit, fit
+from sceneq_core.routing.question import Question, Reader, TextTower
+from sceneq_core.routing.scene import SceneSnapshot
+from sceneq_core.routing.words import COLOURS
+
+MAX_MATCHES = 50
+
+
+@dataclass(frozen=True, slots=True)
+class RouterParams:
+    """``top_k``: candidates for the reasoner.
+
+    ``synonym_cosine``: labels whose text is this close to the words mean the same thing and do
+    not compete with them.
+    """
+
+    judge: JudgeParams = field(default_factory=JudgeParams)
+    top_k: int = 10
+    synonym_cosine: float = 0.8
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.top_k <= MAX_MATCHES:
+            raise ValueError(f"top_k: {self.top_k} is not in [1, {MAX_MATCHES}]")
+        if not -1 <= self.synonym_cosine <= 1:
+            raise ValueError(f"synonym_cosine: {self.synonym_cosine} is not in [-1, 1]")
+
+
+@dataclass(frozen=True, slots=True)
+class Routed:
+    """The encoder's answer, whether it is ``enough``, and the problem for a reasoner if it is not.
+
+    There is no problem in an empty map.
+    """
+
+    answer: Answer
+    enough: bool
+    problem: Problem | None
+
+
+class Router:
+    """Both directions: text to instance, instance to label.
+
+    The fast path: s_j = cos(image, text_j), p = softmax(s / T), a gate on p_max, margin and
+    entropy. What does not pass goes to a reasoner as the top K candidates.
+    """
+
+    def __init__(self, params: RouterParams, encoder: Encoder, labeller: Labeller) -> None:
+        tower = TextTower(encoder)
+        self.params = params
+        self.labeller = labeller
+        self._temperature = encoder.temperature
+        self._judge = Judge(params.judge)
+        self._reader = Reader(tower, labeller, params.synonym_cosine)
+        self._colour_vectors = tower.encode(COLOURS)
+
+    def read(self, text: str) -> Question:
+        """Return the question in ``text``: the only step that runs the text tower.
+
+        Raises:
+            ValueError: empty or too long.
+        """
+        return self._reader.read(text)
+
+    def answer(self, snapshot: SceneSnapshot, question: Question) -> Routed:
+        """Answer from the descriptors, and say whether a reasoner should look at it."""
+        if not len(snapshot):
+            return Routed(_empty(snapshot, question), enough=True, problem=None)
+        fits = {words: self._fit(snapshot, question, words) for words in question.wanted}
+        target = question.phrase.target
+        confidence = Confidence.of(fits[target].p, self._temperature)
+        status, reason = self._judge.judge(target or "anything", fits[target], confidence)
+        enough = status != AMBIGUOUS and not question.phrase.constraints
+        answer = Answer(
+            status=status if enough or status == NOT_FOUND else AMBIGUOUS,
+            question=question.text,
+            matches=_matches(snapshot, fits[target]),
+            confidence=confidence,
+            presence=fits[target].presence,
+            route=FAST,
+            reason=reason + _left_out(question),
+            vlm_calls=0,
+            revision=snapshot.revision,
+        )
+        problem = pose_problem(snapshot, question, fits, self.params.top_k)
+        return Routed(answer, enough, problem)
+
+    def conclude(self, snapshot: SceneSnapshot, routed: Routed, verdict: Verdict) -> Answer:
+        """Return the reasoner's answer; it may be bold only where the encoder knows the thing.
+
+        Raises:
+            ValueError: the verdict ranks an instance that was not among the candidates.
+        """
+        fast, known = routed.answer, self._judge.knows(routed.answer.presence)
+        told = replace(fast, route=REASONED, reason=verdict.reason, vlm_calls=verdict.vlm_calls)
+        if not verdict.ranking:
+            return replace(told, status=NOT_FOUND if known else AMBIGUOUS)
+        confidence = Confidence.of(np.array([p for _, p in verdict.ranking]), self._temperature)
+        sure = known and self._judge.accepts(confidence)
+        return replace(
+            told,
+            status=FOUND if sure else AMBIGUOUS,
+            matches=tuple(_ranked(snapshot, routed.problem, verdict.ranking)),
+            confidence=confidence,
+        )
+
+    def fall_back(self, routed: Routed, why: str) -> Answer:
+        """Return the encoder's answer, marked: a reasoner should have looked, but ``why``."""
+        fast = routed.answer
+        return replace(fast, route=FALLBACK, reason=f"{why}; {fast.reason}")
+
+    def label(self, snapshot: SceneSnapshot, row: int, k: int = 5) -> Naming:
+        """Return what the instance in ``row`` is called, and whether the gate accepts it."""
+        scores = snapshot.label_scores[row]
+        confidence = Confidence.of(self.labeller.distribution(scores), self._temperature)
+        accepted = self._judge.accepts(confidence)
+        return Naming(
+            status=FOUND if accepted else AMBIGUOUS,
+            instance=snapshot.instances[row],
+            labels=self.labeller.best_of_scores(scores, k),
+            confidence=confidence,
+            reason="the gate accepts the label" if accepted else hesitation(confidence),
+            revision=snapshot.revision,
+        )
+
+    def _fit(self, snapshot: SceneSnapshot, question: Question, words: str) -> Fit:
+        return fit(snapshot, question.wanted[words], self._colour_vectors, self._temperature)
+
+
+def _empty(snapshot: SceneSnapshot, question: Question) -> Answer:
+    seen = snapshot.instance_count
+    return Answer(
+        status=NOT_FOUND,
+        question=question.text,
+        matches=(),
+        confidence=Confidence.of(np.zeros(0), 1.0),
+        presence=0.0,
+        route=FAST,
+        reason=f"the map is empty: {seen} instances, none with a descriptor yet",
+        vlm_calls=0,
+        revision=snapshot.revision,
+    )
+
+
+def _matches(snapshot: SceneSnapshot, fit: Fit) -> tuple[Match, ...]:
+    p = fit.p
+    return tuple(
+        Match(snapshot.instances[row], float(p[row]), float(fit.cosine[row]))
+        for row in fit.order[:MAX_MATCHES]
+    )
+
+
+def _ranked(
+    snapshot: SceneSnapshot, problem: Problem | None, ranking: Iterable[tuple[int, float]]
+) -> Iterable[Match]:
+    """Yield the matches of a ranking, evidence and cosine from the problem it solves."""
+    targets = [c for c in problem.candidates if c.role == "target"] if problem else []
+    cosine = {c.instance_id: c.cosine for c in targets}
+    for instance_id, p in ranking:
+        row = snapshot.find(instance_id)
+        if row is None or instance_id not in cosine:
+            raise ValueError(f"verdict: instance {instance_id} was not a candidate")
+        yield Match(snapshot.instances[row], p, cosine[instance_id])
+
+
+def _left_out(question: Question) -> str:
+    """Say what the encoder alone did not look at."""
+    if not question.phrase.constraints:
+        return ""
+    words = question.phrase.target or "anything"
+    asked = ", ".join(f"{c.relation} {c.anchor}".strip() for c in question.phrase.constraints)
+    return f"; ranked by '{words}' only, without: {asked.replace('_', ' ')}"

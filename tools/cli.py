@@ -1,0 +1,70 @@
+"""The ``sceneq`` command; each subcommand is a small module that imports its needs when it runs."""
+
+import sys
+from importlib import import_module
+from importlib.metadata import version
+from importlib.util import find_spec
+from typing import Annotated
+
+import typer
+
+COMMANDS = ("up", "ask", "status", "check", "map", "export", "schema")
+USAGE = 2
+INTERRUPTED = 130
+
+app = typer.Typer(
+    name="sceneq",
+    help="Ask a robot's live 3D map of object instances questions, with evidence.",
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+def main() -> None:
+    """Run one command; whatever its user can mend is told in one line on stderr."""
+    from sceneq_tools.errors import UserError
+
+    try:
+        code = app(standalone_mode=False)
+    except UserError as error:
+        _fail(str(error), error.exit_code)
+    except typer.TyperException as error:
+        _fail(f"{error.format_message()} (see --help)".replace("\n", " "), USAGE)
+    except (typer.Abort, KeyboardInterrupt):
+        sys.exit(INTERRUPTED)
+    except BrokenPipeError:
+        sys.stderr.close()
+        sys.exit(0)
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+@app.callback(invoke_without_command=True)
+def root(
+    context: typer.Context,
+    show_version: Annotated[
+        bool, typer.Option("--version", help="Print the version and exit.", is_eager=True)
+    ] = False,
+) -> None:
+    """Ask a robot's live 3D map of object instances questions, with evidence."""
+    if show_version:
+        typer.echo(f"sceneq {version('sceneq')}")
+        raise typer.Exit
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+        raise typer.Exit(USAGE)
+
+
+def _fail(message: str, code: int) -> None:
+    for line in message.splitlines():
+        print(f"sceneq: {line}", file=sys.stderr)
+    sys.exit(code)
+
+
+def _register() -> None:
+    for name in COMMANDS:
+        module = f"sceneq_tools.{name}_command"
+        if find_spec(module) is not None:
+            app.command(name)(import_module(module).run)
+
+
+_register()

@@ -1,0 +1,201 @@
+"""Run one machine's part of a graph until it is told to stop, and say what happens."""
+
+import json
+import os
+import re
+import tempfile
+import threading
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from sceneq_tools.console import Console
+from sceneq_tools.errors import UserError
+from sceneq_tools.graph import ROUTER
+from sceneq_tools.graph_plan import Plan
+from sceneq_tools.heartbeats import Heartbeats
+from sceneq_tools.log_tail import LogTail, last_line
+from sceneq_tools.story import Exit, change, exit_in
+from sceneq_tools.supervision import EXITED, FATAL, STOPPED, Process, Supervisor
+from sceneq_tools.supervisor_config import render
+from sceneq_tools.watchdog import Watchdog
+
+TICK_S = 0.2
+BAD_PARAMETERS = 2
+TROUBLE = re.compile(r"\b(WARNING|ERROR|CRITICAL)\b")
+
+
+class Launcher:
+    """Starts the processes of a plan, watches them, forwards their warnings.
+
+    Args:
+        plan: what to run.
+        logs: folder of one log file per process.
+        console: where events go.
+    """
+
+    def __init__(self, plan: Plan, logs: Path, console: Console) -> None:
+        self._plan = plan
+        self._logs = logs
+        self._console = console
+        self._watchdog = Watchdog(plan.watchdog)
+        self._heartbeats = Heartbeats(plan.endpoint)
+        self._before: dict[str, Process] = {}
+        self._ready: set[str] = set()
+        self._were_ready: set[str] = set()
+        self._tails: dict[str, LogTail] = {}
+        self._reports = LogTail(logs / "supervisord.log")
+        self._exits: dict[str, int] = {}
+        self._refused: set[str] = set()
+        self._started_s = time.monotonic()
+
+    def run(self, stop: threading.Event) -> int:
+        """Return the exit code: 0 stopped or finished, 1 broken, 2 a node refused its parameters.
+
+        Raises:
+            UserError: the logs cannot be written, or nothing starts.
+        """
+        supervisor = self._prepare()
+        self._console.say("up", self._headline())
+        try:
+            supervisor.start()
+            return self._watch(supervisor, stop)
+        finally:
+            self._heartbeats.close()
+            supervisor.stop()
+            self._forward_warnings()
+            for tail in (self._reports, *self._tails.values()):
+                tail.close()
+            self._console.say("up", f"stopped, logs in {self._logs}")
+
+    def _prepare(self) -> Supervisor:
+        folder = run_folder(self._plan.scene)
+        try:
+            self._logs.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UserError(f"{self._logs}: {error.strerror} (say --log-dir FOLDER)") from error
+        graph = folder / "graph.json"
+        graph.write_text(json.dumps(self._plan.as_json(), indent=2))
+        conf = render(self._plan.nodes, folder, self._logs.resolve())
+        (folder / "supervisord.conf").write_text(conf)
+        names = [ROUTER, *(node.id for node in self._plan.nodes)]
+        self._tails = {name: LogTail(self._logs / f"{name}.log") for name in names}
+        return Supervisor(folder, {"SCENEQ_GRAPH": str(graph)})
+
+    def _headline(self) -> str:
+        names = " ".join(node.id for node in self._plan.nodes)
+        return f"scene {self._plan.scene} on {self._plan.endpoint}: {names}"
+
+    def _watch(self, supervisor: Supervisor, stop: threading.Event) -> int:
+        while not stop.wait(TICK_S):
+            if not supervisor.alive():
+                self._console.say("up", "supervisord died: stopping everything", "bad")
+                return 1
+            processes = supervisor.processes()
+            self._forward_warnings()
+            self._tell_exits(supervisor, {process.name: process for process in processes})
+            for process in processes:
+                self._follow(process)
+            if (code := self._over(processes)) is not None:
+                return code
+            for name, health in self._heartbeats.drain():
+                self._hear(name, health)
+            self._kill_hung(supervisor)
+        return 0
+
+    def _follow(self, process: Process) -> None:
+        before = self._before.get(process.name)
+        self._before[process.name] = process
+        if before is not None and before.pid != process.pid:
+            self._unwatch(process.name)
+        if (news := change(before, process)) is not None:
+            self._console.say(process.name, *news)
+
+    def _tell_exits(self, supervisor: Supervisor, processes: Mapping[str, Process]) -> None:
+        for line in self._reports.new_lines():
+            if (end := exit_in(line)) is None:
+                continue
+            self._exits[end.name] = end.code
+            words = self._last_words(end)
+            self._console.say(end.name, f"{end}{words}", "bad" if end.code else "")
+            if end.code == BAD_PARAMETERS and end.name in processes:
+                supervisor.hold(processes[end.name])
+                self._refused.add(end.name)
+
+    def _last_words(self, end: Exit) -> str:
+        if end.code <= 0:
+            return ""
+        words = last_line(self._logs / f"{end.name}.log")
+        return f": {words}" if words and not TROUBLE.search(words) else ""
+
+    def _unwatch(self, name: str) -> None:
+        self._ready.discard(name)
+        if name == ROUTER:
+            self._watchdog.forget_all()
+        self._watchdog.forget(name)
+
+    def _over(self, processes: list[Process]) -> int | None:
+        """Return the exit code when there is nothing left to watch, ``None`` as long as there is.
+
+        A node that refuses its parameters at its first start means that the graph is wrong.
+        """
+        if self._refused - self._were_ready:
+            return BAD_PARAMETERS
+        if not processes or any(not self._ended(process) for process in processes):
+            return None
+        return int(any(self._exits.get(node.id) for node in self._plan.nodes))
+
+    def _ended(self, process: Process) -> bool:
+        if process.name == ROUTER:
+            return bool(self._plan.nodes)  # it ends with them, unless it was asked for alone
+        held = process.state == STOPPED and process.name in self._refused
+        return held or process.state in (EXITED, FATAL)
+
+    def _hear(self, name: str, health: Mapping[str, Any]) -> None:
+        process = self._before.get(name)
+        if process is None or health.get("pid") != process.pid:
+            return  # the last words of a process that is gone, or another machine's node
+        if health.get("state") == "ready":
+            self._watchdog.beat(name, time.monotonic(), float(health.get("busy_s", 0.0)))
+            self._note_ready(name)
+
+    def _note_ready(self, name: str) -> None:
+        if name in self._ready or name == ROUTER:
+            return
+        self._ready.add(name)
+        everybody = {node.id for node in self._plan.nodes}
+        if self._ready == everybody and not everybody <= self._were_ready:
+            took = time.monotonic() - self._started_s
+            self._console.say("up", f"all {len(everybody)} nodes ready after {took:.1f} s", "good")
+        elif name in self._were_ready:
+            self._console.say(name, "ready again", "good")
+        self._were_ready.add(name)
+
+    def _kill_hung(self, supervisor: Supervisor) -> None:
+        for name, reason in self._watchdog.hung(time.monotonic()).items():
+            self._watchdog.forget(name)
+            if (process := self._before.get(name)) and process.pid:
+                self._console.say(name, f"hangs ({reason}): killed", "bad")
+                supervisor.kill(process)
+
+    def _forward_warnings(self) -> None:
+        for name, tail in self._tails.items():
+            for line in tail.new_lines():
+                if found := TROUBLE.search(line):
+                    tone = "warn" if found[1] == "WARNING" else "bad"
+                    words = line[found.start() :].replace(f" {name}: ", " ", 1)
+                    self._console.say(name, words, tone)
+
+
+def run_folder(scene: str) -> Path:
+    """Make a new private folder with a short name: a socket's path has to fit in 107 bytes."""
+    parent = os.environ.get("XDG_RUNTIME_DIR")
+    usable = parent and os.access(parent, os.W_OK) and len(parent) < 50
+    return Path(tempfile.mkdtemp(prefix=f"sceneq-{scene[:20]}-", dir=parent if usable else None))
+
+
+def default_logs(scene: str) -> Path:
+    """Return where logs of a scene are kept (XDG base directory specification)."""
+    state = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
+    return Path(state) / "sceneq" / scene

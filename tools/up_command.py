@@ -1,0 +1,104 @@
+"""``sceneq up``: run this machine's part of a graph until Ctrl-C."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from sceneq_tools.graph import Override
+    from sceneq_tools.graph_plan import Plan
+
+GraphFile = Annotated[
+    Path | None,
+    typer.Argument(
+        metavar="[GRAPH.YAML]", help="Default: ./graph.yaml, else the one in the package."
+    ),
+]
+Source = Annotated[Path | None, typer.Option(help="Folder of frames to read.")]
+Scene = Annotated[str | None, typer.Option(help="Default: the name of the source folder.")]
+Rate = Annotated[
+    float | None, typer.Option(help="Source frames a second; 0 = as fast as the graph takes them.")
+]
+Step = Annotated[int | None, typer.Option(help="Read every Nth frame.")]
+Loop = Annotated[bool, typer.Option("--loop", help="Start again at the end of the source.")]
+NoPoses = Annotated[
+    bool, typer.Option("--no-poses", help="Ignore given poses, use odometry instead.")
+]
+Segmenter = Annotated[str | None, typer.Option(help="Kind of segmenter: rgbd, files, ...")]
+
+
+def run(
+    graph: GraphFile = None,
+    source: Source = None,
+    scene: Scene = None,
+    rate: Rate = None,
+    step: Step = None,
+    loop: Loop = False,
+    no_poses: NoPoses = False,
+    segmenter: Segmenter = None,
+    only: Annotated[
+        list[str] | None, typer.Option(metavar="NODE", help="Only this node; repeat for more.")
+    ] = None,
+    machine: Annotated[str, typer.Option(help="Run what is deployed to this machine.")] = "local",
+    port: Annotated[
+        int | None, typer.Option(min=1, max=65535, help="TCP port of the router.")
+    ] = None,
+    connect: Annotated[
+        list[str] | None, typer.Option(help="Router of another machine: tcp/HOST:7447.")
+    ] = None,
+    log_dir: Annotated[
+        Path | None, typer.Option(help="Default: ~/.local/state/sceneq/SCENE.")
+    ] = None,
+) -> None:
+    """Run the graph: a router and one process per node; Ctrl-C stops everything."""
+    from sceneq_tools.graph import Override, default_path, load
+    from sceneq_tools.graph_check import check_nodes
+    from sceneq_tools.graph_plan import need_free_port, plan
+
+    overrides = source_overrides(source, scene, rate, step, loop, no_poses, segmenter)
+    if connect:
+        overrides.append(Override("", ("router", "connect"), connect, "--connect"))
+    loaded, document = load(graph or default_path(), overrides)
+    check_nodes(loaded, document)
+    local = plan(loaded, document, machine, only or (), port)
+    for endpoint in local.router.listen:
+        need_free_port(endpoint)
+    raise typer.Exit(_launch(local, log_dir))
+
+
+def source_overrides(
+    source: Path | None,
+    scene: str | None,
+    rate: float | None,
+    step: int | None,
+    loop: bool,
+    no_poses: bool,
+    segmenter: str | None,
+) -> "list[Override]":
+    """Return what the options about the source put over the graph file."""
+    from sceneq_tools.graph import Override
+
+    given = [
+        ("", ("scene",), scene, "--scene"),
+        ("ingest", ("source", "path"), source and str(source.resolve()), "--source"),
+        ("ingest", ("source", "step"), step, "--step"),
+        ("ingest", ("source", "loop"), loop or None, "--loop"),
+        ("ingest", ("source", "use_poses"), False if no_poses else None, "--no-poses"),
+        ("ingest", ("rate_hz",), rate, "--rate"),
+        ("segmentation", ("segmenter", "kind"), segmenter, "--segmenter"),
+    ]
+    return [Override(*override) for override in given if override[2] is not None]
+
+
+def _launch(local: "Plan", log_dir: Path | None) -> int:
+    import signal
+    import threading
+
+    from sceneq_tools.console import Console
+    from sceneq_tools.launcher import Launcher, default_logs
+
+    stop = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: stop.set())
+    return Launcher(local, log_dir or default_logs(local.scene), Console()).run(stop)
