@@ -16,6 +16,10 @@ BACKENDS: dict[str, dict[str, str]] = {
     "nodes": NODES,
     "source": {"folder": "sceneq_nodes._folder_source:FolderSource"},
     "odometry": {"kiss_icp": "sceneq_core.ingest.odometry:KissIcpOdometry"},
+    "keyframes": {
+        "every": "sceneq_core.ingest.keyframes:EveryNth",
+        "motion": "sceneq_core.ingest.keyframes:Motion",
+    },
     "segmenter": {
         "rgbd": "sceneq_core.segmentation.rgbd:RgbdSegmenter",
         "files": "sceneq_nodes._files_segmenter:FilesSegmenter",

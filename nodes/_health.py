@@ -59,9 +59,9 @@ class Health:
             **self._counters.snapshot(),
         }
 
-    def beat(self, publish: Callable[[], None]) -> None:
-        """Call ``publish`` every ``PERIOD_S`` on a thread, as long as the process lives."""
-        threading.Thread(target=_repeat, args=(publish,), name="health", daemon=True).start()
+    def beat(self, publish: Callable[[], None], stop: threading.Event) -> None:
+        """Call ``publish`` every ``PERIOD_S`` on a thread until ``stop`` is set."""
+        threading.Thread(target=_repeat, args=(publish, stop), name="health", daemon=True).start()
 
 
 def metrics(health: dict[str, Any]) -> dict[str, Any]:
@@ -84,10 +84,11 @@ def rss_mb() -> float:
     return round(pages * os.sysconf("SC_PAGE_SIZE") / 2**20, 1)
 
 
-def _repeat(publish: Callable[[], None]) -> None:
-    while True:
+def _repeat(publish: Callable[[], None], stop: threading.Event) -> None:
+    while not stop.is_set():
         try:
             publish()
         except Exception:
-            log.exception("no heartbeat")
-        time.sleep(PERIOD_S)
+            if not stop.is_set():
+                log.exception("no heartbeat")
+        stop.wait(PERIOD_S)

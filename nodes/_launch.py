@@ -10,6 +10,7 @@ from typing import Any
 
 from sceneq_nodes._bus import Context
 from sceneq_nodes._params import ParamError, did_you_mean
+from sceneq_schemas.topics import ID
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 ROUTER = "router"
@@ -42,7 +43,8 @@ def read_launch(
     it. Without them ``python -m sceneq_nodes KIND --scene NAME --param key=value`` runs one alone.
 
     Raises:
-        ValueError: no such file or node, or a parameter that is not ``key=value``.
+        ValueError: no such file or node, a name that cannot be part of a key, or a parameter
+            that is not ``key=value``.
     """
     options = _options(arguments)
     graph = _graph(environment.get("SCENEQ_GRAPH"))
@@ -60,8 +62,15 @@ def read_launch(
         robot=options.robot or graph.get("robot", "robot"),
         sensor=options.sensor or graph.get("sensor", "camera"),
     )
+    _need_ids(context)
     endpoint = options.endpoint or graph.get("router", {}).get("endpoint", DEFAULT_ENDPOINT)
-    return Launch(node["kind"], context, _with(node["params"], options.param), endpoint)
+    return Launch(node["kind"], context, _with(node.get("params", {}), options.param), endpoint)
+
+
+def _need_ids(context: Context) -> None:
+    for name in ("node", "scene", "robot", "sensor"):
+        if not ID.fullmatch(value := getattr(context, name)):
+            raise ParamError((name,), value, f"{value!r} does not match {ID.pattern}", "")
 
 
 def _options(arguments: Sequence[str]) -> argparse.Namespace:
@@ -84,7 +93,7 @@ def _graph(path: str | None) -> dict[str, Any]:
 
 
 def _node(graph: Mapping[str, Any], name: str) -> dict[str, Any]:
-    nodes: dict[str, dict[str, Any]] = graph["nodes"]
+    nodes: dict[str, dict[str, Any]] = graph.get("nodes", {})
     if name not in nodes:
         raise ParamError(("nodes", name), name, "no such node", did_you_mean(name, nodes))
     return nodes[name]

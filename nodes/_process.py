@@ -58,10 +58,11 @@ def run(node_class: type[Node], params: Any, launch: Launch) -> int:
     stop.install()
     bus = ZenohBus(launch.context, launch.endpoint, counters)
     leave.callback(bus.close)
-    health.beat(lambda: _publish_health(bus, health))
+    health.beat(lambda: _publish_health(bus, health), stop.event)
     try:
         return _live(node_class(params, launch.context), bus, health, stop.event)
     finally:
+        stop.event.set()
         leave.close()
 
 
@@ -109,7 +110,7 @@ def _loop(node: Node, bus: ZenohBus, health: Health, stop: Event) -> int:
         except Exception:
             seq = getattr(received.message, "seq", None) if received else None
             log.exception("step failed on %s seq %s", received.key if received else "idle", seq)
-            return BUG
+            return STOPPED if stop.is_set() else BUG
         last = time.monotonic()
     return STOPPED
 

@@ -132,9 +132,7 @@ def _object(wire: Any, what: str) -> dict[str, Any]:
     return wire
 
 
-def _list(
-    wire: dict[str, Any], name: str, limit: int, convert: Callable[[Any], Any]
-) -> list[Any]:
+def _list(wire: dict[str, Any], name: str, limit: int, convert: Callable[[Any], Any]) -> list[Any]:
     value = wire.get(name)
     if not isinstance(value, list) or len(value) > limit:
         raise DecodeError(f"{name}: expected a list of at most {limit}")

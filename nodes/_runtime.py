@@ -55,6 +55,8 @@ class ZenohBus:
         self._pool = QueryPool()
         self._publishers: dict[str, zenoh.Publisher] = {}
         self._publishing = threading.Lock()
+        self._served: list[_Queryable] = []
+        self._announced = False
         self._declared: list[Any] = []
 
     def publish(self, topic: Topic, message: Any, **ids: str) -> None:
@@ -71,10 +73,11 @@ class ZenohBus:
         self._declared.append(self._session.declare_subscriber(selector, enqueue))
 
     def serve(self, topic: Topic, handler: Handler, **ids: str) -> None:
-        """Answer queries on the topic's key from the pool."""
+        """Answer queries on the topic's key from the pool, from ``announce`` on."""
         key = topic.key(**ids)
-        served = _Queryable(topic, key, ids, handler, self._pool, self._counters)
-        self._declared.append(self._session.declare_queryable(key, served.accept))
+        self._served.append(_Queryable(topic, key, ids, handler, self._pool, self._counters))
+        if self._announced:
+            self._declare_served()
 
     def ask(
         self,
@@ -110,7 +113,9 @@ class ZenohBus:
         self._counters.report(**values)
 
     def announce(self, instance: str) -> None:
-        """Hold the liveliness token of this node until ``close``."""
+        """Answer queries and hold the liveliness token; a half-open node does neither."""
+        self._announced = True
+        self._declare_served()
         key = LIVE.key(node=self.context.node, id=instance)
         self._declared.append(self._session.liveliness().declare_token(key))
 
@@ -131,6 +136,11 @@ class ZenohBus:
     def close(self) -> None:
         """Leave the network."""
         close(self._session)
+
+    def _declare_served(self) -> None:
+        for served in self._served:
+            self._declared.append(self._session.declare_queryable(served.key, served.accept))
+        self._served.clear()
 
     def _publisher(self, topic: Topic, key: str) -> zenoh.Publisher:
         with self._publishing:

@@ -14,7 +14,9 @@ def session_config(mode: str, **entries: Any) -> dict[str, Any]:
     """Return the configuration of a session in ``mode`` (client, router) plus ``entries``.
 
     No multicast: a process talks to its machine's router and to nobody it was not told of. Only
-    published data goes through shared memory; queries stay on the link, in order.
+    published data goes through shared memory; queries stay on the link, in order. What a killed
+    process leaves in /dev/shm is removed by the next one that starts; where /dev/shm is small or
+    full, data goes over the link instead.
     """
     return {
         "mode": mode,

@@ -31,21 +31,29 @@ class Viewpoint:
 def overview(
     points_world: Float32,
     up_world: Float64,
-    from_world: Float64,
     size: tuple[int, int] = (1280, 800),
     elevation_deg: float = 40.0,
 ) -> Viewpoint:
-    """Return a raised viewpoint from the side of ``from_world`` that sees all of the points."""
+    """Return a raised viewpoint from the most open side of the points (N, 3) that sees all."""
     centre = np.median(points_world, axis=0).astype(np.float64)
-    away = from_world - centre
-    away -= (away @ up_world) * up_world
-    if np.linalg.norm(away) < 1e-6:
-        away = np.linalg.svd(up_world[None])[2][1]
     elevation = np.radians(elevation_deg)
-    direction = np.cos(elevation) * away / np.linalg.norm(away) + np.sin(elevation) * up_world
+    away = _open_side(points_world - centre, up_world)
+    direction = np.cos(elevation) * away + np.sin(elevation) * up_world
     radius = float(np.percentile(np.linalg.norm(points_world - centre, axis=1), 97))
     position = centre + 3.0 * max(radius, 0.1) * direction
     return _fitted(_look_at(position, centre, up_world), points_world, size)
+
+
+def _open_side(offsets: Float64, up_world: Float64) -> Float64:
+    """Return the horizontal direction with the fewest high points: no wall hides the room."""
+    axes = np.linalg.svd(up_world[None])[2][1:]
+    angles = np.radians(np.arange(0, 360, 15))
+    directions = np.cos(angles)[:, None] * axes[0] + np.sin(angles)[:, None] * axes[1]
+    height = offsets @ up_world
+    high = offsets[height > np.percentile(height, 60)]
+    in_the_way = np.maximum(high @ directions.T, 0).sum(axis=0)
+    side: Float64 = directions[int(np.argmin(in_the_way))]
+    return side
 
 
 def _fitted(T_camera_world: Float64, points_world: Float32, size: tuple[int, int]) -> Viewpoint:

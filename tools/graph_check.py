@@ -1,6 +1,7 @@
 """Check every node of a graph against the class it names, without starting anything."""
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 from sceneq_nodes._backends import BACKENDS, load
@@ -39,10 +40,10 @@ def _params_errors(
 ) -> Iterator[ParamError]:
     """Yield every error, not just the first: a bad key is reported, then left out."""
     backends = {k: v for k, v in params.items() if k in SEAMS and isinstance(v, Mapping)}
-    yield from _errors(lambda values: validate(params_class, values, path), params, path)
+    yield from _errors(partial(validate, params_class, path=path), params, path)
     for seam, spec in backends.items():
         here = (*path, seam)
-        yield from _errors(lambda v, seam=seam, here=here: check_backend(seam, v, here), spec, here)
+        yield from _errors(partial(check_backend, seam, path=here), spec, here)
 
 
 def _errors(

@@ -20,15 +20,13 @@ LABELS_IN_PICTURE = 40
 class SceneFiles:
     """A map ready to be written: points (N, 3) metres, colours, instance ids and their records.
 
-    ``instances`` are the records of an answer (id, label, p, centre, boxes, views);
-    ``from_world`` (3,) is the side the picture is taken from: where the camera was.
+    ``instances`` are the records that the scene lists (id, label, p, centre, boxes, views).
     """
 
     scene: str
-    encoder: str
+    label_set: str
     replica: MapReplica
     instances: tuple[Mapping[str, Any], ...]
-    from_world: Float64
 
     def write(self, out: Path) -> dict[str, Any]:
         """Write all files into ``out`` and return the summary that is also in instances.json.
@@ -51,7 +49,7 @@ class SceneFiles:
         coord = np.floor(points_world / self.replica.voxel_size_m).astype(np.int32)
         return {
             "scene": self.scene,
-            "encoder": self.encoder,
+            "label_set": self.label_set,
             "frame_seq": self.replica.frame_seq,
             "voxel_size_m": self.replica.voxel_size_m,
             "up_world": [round(float(x), 4) for x in self.replica.up_world],
@@ -63,7 +61,7 @@ class SceneFiles:
     def _write_picture(
         self, path: Path, points_world: Float32, rgb: UInt8, instance_id: Int32
     ) -> None:
-        viewpoint = overview(points_world, self.replica.up_world, self.from_world)
+        viewpoint = overview(points_world, self.replica.up_world)
         colours = instance_colours(instance_id, rgb)
         image = draw_cloud(viewpoint, points_world, colours, self.replica.voxel_size_m)
         cv2.imwrite(str(path), draw_labels(image, viewpoint, self._labels())[..., ::-1])
@@ -85,3 +83,11 @@ def _write_ply(path: Path, points_world: Float32, rgb: UInt8) -> None:
     cloud.colors = open3d.utility.Vector3dVector(rgb / 255.0)
     if not open3d.io.write_point_cloud(str(path), cloud):
         raise OSError(f"{path}: the point cloud could not be written")
+
+
+def describe(summary: Mapping[str, Any], out: Path) -> str:
+    """Return one line about what was written."""
+    return (
+        f"{summary['instance_count']} instances, {summary['points']} points after frame "
+        f"{summary['frame_seq']}, digest {summary['digest'][:16]} -> {out}"
+    )

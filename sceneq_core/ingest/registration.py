@@ -70,7 +70,7 @@ class _Warp:
         self._a: Float32 = a.astype(np.float32)
         self._b: Float32 = (color.K @ T_color_depth[:3, 3] * 1000.0).astype(np.float32)
         self._size = color.size
-        self._footprint = _footprint_px(depth.K, color.K)
+        self._footprint = _footprint_px(depth, color)
 
     def splats(self, depth_mm: UInt16) -> list[tuple[Int32, UInt16]]:
         """Return flat colour pixel indices and millimetres there, one pair per splat pixel."""
@@ -95,9 +95,9 @@ class _Warp:
         return index, mm[inside]
 
 
-def _footprint_px(K_depth: Float64, K_color: Float64) -> int:
+def _footprint_px(depth: Camera, color: Camera) -> int:
     """Return how many colour pixels wide a depth pixel is, rounded up."""
-    scale = max(K_color[i, i] / K_depth[i, i] for i in (0, 1))
+    scale = max(float(color.K[i, i] / depth.K[i, i]) for i in (0, 1))
     return max(1, math.ceil(scale - 1e-6))
 
 

@@ -62,11 +62,11 @@ def align(found: Float64, true: Float64) -> Float64:
     Umeyama 1991, DOI 10.1109/34.88573, with scale 1 since depth is metric.
     """
     mean_found, mean_true = found.mean(axis=0), true.mean(axis=0)
-    U, _, Vt = np.linalg.svd((true - mean_true).T @ (found - mean_found))
+    left, _, right = np.linalg.svd((true - mean_true).T @ (found - mean_found))
     # Without this sign the best orthogonal matrix may be a reflection.
-    proper = np.diag([1.0, 1.0, np.sign(np.linalg.det(U) * np.linalg.det(Vt))])
+    proper = np.diag([1.0, 1.0, np.sign(np.linalg.det(left) * np.linalg.det(right))])
     T_true_found = np.eye(4)
-    T_true_found[:3, :3] = U @ proper @ Vt
+    T_true_found[:3, :3] = left @ proper @ right
     T_true_found[:3, 3] = mean_true - T_true_found[:3, :3] @ mean_found
     return T_true_found
 

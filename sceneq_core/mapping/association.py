@@ -27,7 +27,7 @@ class AssociationParams:
     min_agreement: float = 0.5
     merge_agreement: float = 0.6
     min_common_views: int = 2
-    min_pixels: int = 20
+    min_pixels: int = 10
 
     def __post_init__(self) -> None:
         if self.views < 1:

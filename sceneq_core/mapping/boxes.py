@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import Float64
+from sceneq_core.arrays import Float32, Float64
+
+_RECTANGLE_POINTS = 4096
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,27 +20,28 @@ class Box:
     box_size_m: Float64
 
 
-def box_around(points_world: Float64, up_world: Float64) -> Box:
-    """Return the boxes of ``points_world`` float64 (N, 3), N > 0.
+def box_around(points_world: Float32, up_world: Float64) -> Box:
+    """Return the boxes of ``points_world`` float32 (N, 3), N > 0.
 
     The oriented box has z along ``up_world`` and x along its longer horizontal edge; its
     horizontal rectangle has the smallest area (rotating calipers).
     """
-    centre = points_world.mean(axis=0)
+    columns = np.ascontiguousarray(points_world.T, np.float64)
+    centre = columns.mean(axis=1)
     R_world_level = _level_axes(up_world)
-    level = (points_world - centre) @ R_world_level
-    (middle_x, middle_y), (length, width), angle_deg = cv2.minAreaRect(
-        level[:, :2].astype(np.float32)
-    )
+    level = R_world_level.T @ (columns - centre[:, None])
+    # A stride over many points shrinks the rectangle by less than the spacing of the points.
+    sample = level[:2, :: 1 + level.shape[1] // _RECTANGLE_POINTS].T
+    (middle_x, middle_y), (length, width), angle_deg = cv2.minAreaRect(np.ascontiguousarray(sample, np.float32))
     if width > length:
         length, width, angle_deg = width, length, angle_deg + 90.0
-    low, high = float(level[:, 2].min()), float(level[:, 2].max())
+    low, high = float(level[2].min()), float(level[2].max())
     T_world_box = np.eye(4)
     T_world_box[:3, :3] = R_world_level @ _turn(np.deg2rad(angle_deg))
     T_world_box[:3, 3] = centre + R_world_level @ [middle_x, middle_y, (low + high) / 2.0]
     return Box(
         centre_world=centre,
-        aabb_world=np.stack((points_world.min(axis=0), points_world.max(axis=0))),
+        aabb_world=np.stack((columns.min(axis=1), columns.max(axis=1))),
         T_world_box=T_world_box,
         box_size_m=np.array([length, width, high - low]),
     )

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import Float64, Int32
+from sceneq_core.arrays import Float32, Float64, Int32
 from sceneq_core.frame import Frame
 from sceneq_core.mapping.cells import CELL_SIDE
+from sceneq_core.mapping.growing import marked
 from sceneq_core.mapping.voxels import Voxels
 
 
@@ -40,18 +41,18 @@ def clear_free_space(
     voxels: Voxels, frame: Frame, touched_id: Int32, params: FreeSpaceParams
 ) -> Int32:
     """Empty the voxels that enough keyframes saw through; return their ids, sorted."""
-    inside = voxels.occupied(voxels.cells.voxels(_cells_in_view(voxels, frame, params)))
-    seen_through = inside[_seen_through(voxels.points_world(inside), frame, params)]
-    seen_through = seen_through[~np.isin(seen_through, touched_id)]
+    inside = voxels.cells.voxels(_cells_in_view(voxels, frame, params))
+    seen_through = inside[_seen_through(voxels.centres_world(inside), frame, params)]
+    seen_through = voxels.occupied(seen_through[~marked(touched_id, len(voxels))[seen_through]])
     voxels.misses[seen_through] += 1
     gone = np.sort(seen_through[voxels.misses[seen_through] >= params.min_views])
     voxels.clear(gone)
     return gone
 
 
-def _to_camera(points_world: Float64, frame: Frame) -> Float64:
+def _to_camera(points_world: Float32 | Float64, frame: Frame) -> Float64:
     rotation, translation = frame.T_world_camera[:3, :3], frame.T_world_camera[:3, 3]
-    return (points_world - translation) @ rotation
+    return points_world @ rotation - translation @ rotation
 
 
 def _cells_in_view(voxels: Voxels, frame: Frame, params: FreeSpaceParams) -> Int32:
@@ -71,7 +72,7 @@ def _cells_in_view(voxels: Voxels, frame: Frame, params: FreeSpaceParams) -> Int
     return np.flatnonzero(visible).astype(np.int32)
 
 
-def _seen_through(points_world: Float64, frame: Frame, params: FreeSpaceParams) -> Int32:
+def _seen_through(points_world: Float32, frame: Frame, params: FreeSpaceParams) -> Int32:
     """Return the rows whose pixel measures, with all its neighbours, a surface far behind."""
     # The nearest depth around a pixel: at silhouettes and holes (0) nothing is called free.
     nearest_m = cv2.erode(frame.depth_m, np.ones((3, 3), np.uint8))

@@ -10,6 +10,7 @@ from sceneq_core.mapping.association import Association, AssociationParams
 from sceneq_core.mapping.delta import Instance, MapDelta
 from sceneq_core.mapping.free_space import FreeSpaceParams, clear_free_space
 from sceneq_core.mapping.gravity import Gravity, GravityParams
+from sceneq_core.mapping.growing import distinct
 from sceneq_core.mapping.published import Published
 from sceneq_core.mapping.registry import Members, Registry, RegistryParams
 from sceneq_core.mapping.superpoints import SuperpointParams, Superpoints
@@ -78,7 +79,12 @@ class Mapper:
             self._voxels, frame, touched.voxel_id, self._params.free_space
         )
         self._gravity.add(self._new_normals(known), frame.T_world_camera)
-        voxel_id, change = self._superpoints.update(self._voxels, touched.voxel_id, cleared)
+        renewed, change = self._superpoints.update(
+            self._voxels, touched.voxel_id, cleared, self._keyframes
+        )
+        changed = self._published.renew(
+            self._voxels, self._superpoints, _union(renewed, touched.voxel_id, len(self._voxels))
+        )
         sighting = self._sight(surface, touched, label_image)
         groups = self._association.update(change, sighting, self._keyframes)
         instances = self._registry.update(
@@ -86,14 +92,16 @@ class Mapper:
         )
         self._keyframes += 1
         self._last_seq, self._last_stamp_ns = frame.seq, frame.stamp_ns
-        changed = self._published.renew(self._voxels, self._superpoints, voxel_id)
         return self._delta(False, changed, self._published.retract(cleared), instances)
 
     def snapshot(self) -> MapDelta:
         """Return the whole map: what all deltas so far add up to, without what was removed."""
-        active = [i for _, i in sorted(self._registry.instances.items()) if i.state == "active"]
-        none = np.zeros(0, np.int32)
-        return self._delta(True, self._published.all_ids(), none, tuple(active))
+        instances = tuple(i for _, i in sorted(self._registry.instances.items()))
+        return self._delta(True, self._published.all_ids(), np.zeros(0, np.int32), instances)
+
+    def counts(self) -> dict[str, int]:
+        """Return the size of the map for a health report."""
+        return {"voxels": self._published.count, "instances": len(self._registry.instances)}
 
     def _new_normals(self, known: int) -> Float64:
         return self._voxels.normals_world(np.arange(known, len(self._voxels), dtype=np.int32))
@@ -106,7 +114,7 @@ class Mapper:
     def _members(self, group: int) -> Members:
         superpoint_id = self._association.members(group)
         voxel_id = self._superpoints.voxels(self._voxels, superpoint_id)
-        return Members(superpoint_id, self._voxels.points_world(voxel_id))
+        return Members(superpoint_id, self._published.points_world[voxel_id])
 
     def _delta(
         self,
@@ -129,6 +137,10 @@ class Mapper:
             removed_voxel_id=removed_voxel_id,
             instances=instances,
         )
+
+
+def _union(first_id: Int32, second_id: Int32, count: int) -> Int32:
+    return distinct(np.concatenate((first_id, second_id)), count)
 
 
 def _check(frame: Frame, label_image: UInt16) -> None:

@@ -20,6 +20,7 @@ class Published:
 
     def __init__(self, step_m: float) -> None:
         self._step_m = step_m
+        self.count = 0
         self.points_world = np.zeros((0, 3), np.float32)
         self.rgb = np.zeros((0, 3), np.uint8)
         self.superpoint_id = np.zeros(0, np.int32)
@@ -33,6 +34,7 @@ class Published:
         """Forget voxels that are gone; return those that readers know."""
         known = voxel_id[self._known[voxel_id]]
         self._known[known] = False
+        self.count -= len(known)
         return known
 
     def renew(self, voxels: Voxels, superpoints: Superpoints, voxel_id: Int32) -> Int32:
@@ -42,6 +44,7 @@ class Published:
         rgb, superpoint = voxels.rgb(voxel_id), superpoints.of(voxel_id)
         news = self._differs(voxel_id, points, rgb, superpoint)
         changed = voxel_id[news]
+        self.count += int((~self._known[changed]).sum())
         self.points_world[changed], self.rgb[changed] = points[news], rgb[news]
         self.superpoint_id[changed], self._known[changed] = superpoint[news], True
         return np.sort(changed)

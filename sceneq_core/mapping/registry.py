@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sceneq_core.arrays import Float64, Int32
+from sceneq_core.arrays import Float32, Float64, Int32
 from sceneq_core.mapping.association import GroupChange
 from sceneq_core.mapping.boxes import box_around
 from sceneq_core.mapping.delta import Instance
@@ -33,7 +33,7 @@ class Members:
     """What a group consists of now: ``superpoint_id`` sorted and ``points_world`` of its voxels."""
 
     superpoint_id: Int32
-    points_world: Float64
+    points_world: Float32
 
 
 @dataclass(slots=True)
@@ -47,7 +47,11 @@ class _Life:
 
 
 class Registry:
-    """Gives ids from 1, in the order in which groups become instances, and never twice."""
+    """Gives ids from 1, in the order in which groups become instances, and never twice.
+
+    Attributes:
+        instances: the active ones by id, as last returned by ``update``.
+    """
 
     def __init__(self, params: RegistryParams) -> None:
         self._params = params
@@ -69,7 +73,11 @@ class Registry:
             news |= self._merge(source, target)
         for group in change.changed.tolist():
             news |= self._follow(group, members(group), up_world)
-        self.instances |= news
+        for instance_id, instance in news.items():
+            if instance.state == "active":
+                self.instances[instance_id] = instance
+            else:
+                self.instances.pop(instance_id, None)
         return tuple(news[instance_id] for instance_id in sorted(news))
 
     def _see(self, change: GroupChange, stamp_ns: int) -> None:
@@ -91,9 +99,8 @@ class Registry:
         ids = sorted(i for i in (kept.instance_id, gone.instance_id) if i)
         kept.active = kept.active or gone.active
         kept.instance_id = ids[0] if ids else 0
-        if len(ids) < 2:
-            return {}
-        return {ids[1]: replace(self.instances[ids[1]], state="removed", merged_into=ids[0])}
+        last = self.instances.get(ids[-1]) if len(ids) == 2 else None
+        return {ids[1]: replace(last, state="removed", merged_into=ids[0])} if last else {}
 
     def _follow(self, group: int, members: Members, up_world: Float64) -> dict[int, Instance]:
         life = self._lives.get(group)

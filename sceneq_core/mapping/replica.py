@@ -4,6 +4,7 @@ import numpy as np
 
 from sceneq_core.arrays import Array, Bool, Float32, Int32, UInt8
 from sceneq_core.mapping.delta import Instance, MapDelta
+from sceneq_core.mapping.voxel_index import COORD_LIMIT
 
 MAX_VOXELS = 1 << 26
 NO_SUPERPOINT = -1
@@ -25,7 +26,8 @@ class MapReplica:
         """Take over ``delta``; one with ``full`` replaces everything.
 
         Raises:
-            ValueError: columns of different length, ids out of range; the replica is unchanged.
+            ValueError: columns of different length, ids or coordinates out of range; the replica
+                is unchanged then.
         """
         _check(delta, 0 if delta.full else self.voxel_count)
         if delta.full:
@@ -162,7 +164,10 @@ def _check(delta: MapDelta, known_voxels: int) -> None:
     rows = {name: len(getattr(delta, name)) for name in _COLUMNS}
     if len(set(rows.values())) > 1:
         raise ValueError(f"map delta: columns of different length: {rows}")
+    if not delta.voxel_size_m > 0:
+        raise ValueError(f"map delta: voxel_size_m {delta.voxel_size_m} is not positive")
     _check_ids("voxel_id", delta.voxel_id, 0, MAX_VOXELS)
+    _check_ids("voxel_coord", delta.voxel_coord, -COORD_LIMIT, COORD_LIMIT)
     _check_ids("superpoint_id", delta.superpoint_id, NO_SUPERPOINT, MAX_VOXELS)
     voxels = max(known_voxels, int(delta.voxel_id.max(initial=-1)) + 1)
     _check_ids("removed_voxel_id", delta.removed_voxel_id, 0, voxels)

@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 
 from sceneq_core.arrays import Bool, Float32, Float64, Int32, Int64
 from sceneq_core.mapping.cells import CELL_BITS, CELL_SIDE
-from sceneq_core.mapping.growing import with_rows
+from sceneq_core.mapping.growing import distinct, marked, with_rows
 from sceneq_core.mapping.voxel_index import pack_coord
 from sceneq_core.mapping.voxels import Voxels
 
@@ -22,6 +22,9 @@ _HALF_NEIGHBOURS = [
 ]
 """13 of the 26 neighbours as steps in a cell with an empty border, so no bounds are checked."""
 
+_MUCH_NEW = 8
+"""A cell has gained much surface when this many times the new voxels exceed those seen."""
+
 
 @dataclass(frozen=True, slots=True)
 class SuperpointParams:
@@ -29,11 +32,13 @@ class SuperpointParams:
 
     ``max_angle_deg`` between their normals; ``max_colour`` in CIELAB units, lightness counted by
     half because shading changes it; parts under ``min_voxels`` join their most similar neighbour.
+    A cell with little new surface is partitioned anew only every ``refresh_keyframes``-th time.
     """
 
     max_angle_deg: float = 25.0
     max_colour: float = 8.0
     min_voxels: int = 10
+    refresh_keyframes: int = 4
 
     def __post_init__(self) -> None:
         if not 0.0 < self.max_angle_deg < 180.0:
@@ -42,11 +47,13 @@ class SuperpointParams:
             raise ValueError(f"max_colour: must be positive, got {self.max_colour}")
         if self.min_voxels < 1:
             raise ValueError(f"min_voxels: must be at least 1, got {self.min_voxels}")
+        if self.refresh_keyframes < 1:
+            raise ValueError(f"refresh_keyframes: must be at least 1: {self.refresh_keyframes}")
 
 
 @dataclass(frozen=True, slots=True)
 class VoxelFeatures:
-    """What the partition looks at; parallel rows.
+    """What the partition looks at; parallel rows, those of one cell together.
 
     ``coord`` int32 (N, 3); ``normals_world`` float64 (N, 3) unit or zero; ``colours`` float32
     (N, 3) RGB in 0..1.
@@ -65,14 +72,22 @@ def partition(features: VoxelFeatures, params: SuperpointParams) -> Int32:
     """
     if not len(features.coord):
         return np.zeros(0, np.int32)
-    lab = _half_lightness_lab(features.colours)
     edges = _edges_within_cells(features.coord)
-    cosine = (features.normals_world[edges[0]] * features.normals_world[edges[1]]).sum(axis=1)
-    distance = np.sqrt(((lab[edges[0]] - lab[edges[1]]) ** 2).sum(axis=1))
+    cosine, distance = _compare(features, edges)
     similar = (cosine > np.cos(np.deg2rad(params.max_angle_deg))) & (distance < params.max_colour)
     part = _components(edges[:, similar], len(features.coord))
     cost = (1.0 - cosine) + distance / 100.0
     return _join_small(part, edges[:, ~similar], cost[~similar], params.min_voxels)
+
+
+def _compare(features: VoxelFeatures, edges: Int64) -> tuple[Float32, Float32]:
+    """Return the cosine between the normals and the colour distance along each edge."""
+    lab = _half_lightness_lab(features.colours)
+    table = np.concatenate((features.normals_world.astype(np.float32), lab), axis=1)
+    first, second = table.take(edges[0], axis=0), table.take(edges[1], axis=0)
+    cosine = np.einsum("ij,ij->i", first[:, :3], second[:, :3])
+    step = first[:, 3:] - second[:, 3:]
+    return cosine, np.sqrt(np.einsum("ij,ij->i", step, step))
 
 
 def _half_lightness_lab(colours: Float32) -> Float32:
@@ -83,11 +98,12 @@ def _half_lightness_lab(colours: Float32) -> Float32:
 
 def _edges_within_cells(coord: Int32) -> Int64:
     """Return the pairs (2, E) of 26-neighbours that share a cell."""
-    cell, cell_row = np.unique(pack_coord(coord >> CELL_BITS), return_inverse=True)
+    cell = pack_coord(coord >> CELL_BITS)
+    cell_row = np.cumsum(np.concatenate(([False], cell[1:] != cell[:-1])))
     local = (coord & (CELL_SIDE - 1)).astype(np.int64) + 1
     place = (cell_row * _PADDED_SIDE + local[:, 0]) * _PADDED_SIDE + local[:, 1]
     place = place * _PADDED_SIDE + local[:, 2]
-    node_at = np.full(len(cell) * _PADDED_SIDE**3, -1, np.int32)
+    node_at = np.full((int(cell_row[-1]) + 1) * _PADDED_SIDE**3, -1, np.int32)
     node_at[place] = np.arange(len(coord), dtype=np.int32)
     target = np.stack([node_at[place + step] for step in _HALF_NEIGHBOURS])
     step_row, source = np.nonzero(target >= 0)
@@ -101,7 +117,7 @@ def _components(edges: Int64, count: int) -> Int32:
     return label.astype(np.int32)
 
 
-def _join_small(part: Int32, edges: Int64, cost: Float64, min_voxels: int) -> Int32:
+def _join_small(part: Int32, edges: Int64, cost: Float32, min_voxels: int) -> Int32:
     """Let every small part join the neighbouring part it differs least from on average."""
     a, b = part[edges[0]].astype(np.int64), part[edges[1]].astype(np.int64)
     across = a != b
@@ -116,7 +132,7 @@ def _join_small(part: Int32, edges: Int64, cost: Float64, min_voxels: int) -> In
 
 
 def _cheapest_target(
-    source: Int64, target: Int64, cost: Float64, small: Bool, count: int
+    source: Int64, target: Int64, cost: Float32, small: Bool, count: int
 ) -> Int64:
     leaving = small[source]
     pair, row = np.unique(source[leaving] * count + target[leaving], return_inverse=True)
@@ -159,20 +175,20 @@ class Superpoints:
 
     def voxels(self, voxels: Voxels, superpoint_id: Int32) -> Int32:
         """Return the voxels of these superpoints, in the order of their cells."""
-        wanted = np.zeros(len(self), np.bool_)
-        wanted[superpoint_id] = True
-        inside = voxels.cells.voxels(np.unique(self._cell[superpoint_id]))
+        wanted = marked(superpoint_id, len(self))
+        inside = voxels.cells.voxels(distinct(self._cell[superpoint_id], len(voxels.cells)))
         superpoint = self._of_voxel[inside]
         return inside[(superpoint >= 0) & wanted[superpoint]]
 
     def update(
-        self, voxels: Voxels, touched_id: Int32, cleared_id: Int32
+        self, voxels: Voxels, touched_id: Int32, cleared_id: Int32, keyframe: int
     ) -> tuple[Int32, SuperpointChange]:
-        """Partition the cells of these voxels anew; return all their voxels and the change."""
+        """Partition cells of these voxels anew; return the voxels partitioned and the change."""
         self._of_voxel = with_rows(self._of_voxel, len(voxels), -1)
-        coord = voxels.coord(np.concatenate((touched_id, cleared_id)))
-        inside = voxels.cells.voxels(np.unique(voxels.cells.of(coord)))
-        before = np.unique(self._of_voxel[inside])
+        cell_id = self._due_cells(voxels, touched_id, cleared_id, keyframe)
+        inside = voxels.cells.voxels(cell_id)
+        before = self._of_voxel[inside]
+        before = distinct(before[before >= 0], len(self))
         self._of_voxel[cleared_id] = -1
         voxel_id = voxels.occupied(inside)
         part = partition(
@@ -181,14 +197,27 @@ class Superpoints:
             ),
             self._params,
         )
-        change = self._rename(voxel_id, part, before[before >= 0])
+        change = self._rename(voxel_id, part, before)
         self._cell = with_rows(self._cell, len(self), -1)
         self._cell[self._of_voxel[voxel_id]] = voxels.cells.of(voxels.coord(voxel_id))
         return voxel_id, change
 
+    def _due_cells(
+        self, voxels: Voxels, touched_id: Int32, cleared_id: Int32, keyframe: int
+    ) -> Int32:
+        """Return the touched cells that lost surface, gained much of it, or whose turn it is."""
+        cell = voxels.cells.of(voxels.coord(touched_id))
+        count = len(voxels.cells)
+        new = np.bincount(cell[self._of_voxel[touched_id] < 0], minlength=count)
+        touched = np.bincount(cell, minlength=count)
+        turn = (np.arange(count) + keyframe) % self._params.refresh_keyframes == 0
+        due = (touched > 0) & (turn | (_MUCH_NEW * new > touched))
+        due[voxels.cells.of(voxels.coord(cleared_id))] = True
+        return np.flatnonzero(due).astype(np.int32)
+
     def _rename(self, voxel_id: Int32, part: Int32, before: Int32) -> SuperpointChange:
         heir, parent = _match(part, self._of_voxel[voxel_id])
-        gone = np.setdiff1d(before, heir)
+        gone = before[~marked(heir[heir >= 0], len(self))[before]]
         new = heir < 0
         new_id = self._take_ids(int(new.sum()))
         heir[new] = new_id

@@ -4,13 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sceneq_core.arrays import Float32, Float64, Int32, UInt8
+from sceneq_core.arrays import Array, Float32, Float64, Int32, UInt8
 from sceneq_core.mapping.cells import Cells
 from sceneq_core.mapping.growing import with_rows
 from sceneq_core.mapping.surface import Surface
 from sceneq_core.mapping.voxel_index import VoxelIndex, pack_coord, unpack_coord
-
-_POSITION, _NORMAL, _COLOUR, _WEIGHT = slice(0, 3), slice(3, 6), slice(6, 9), 9
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +30,10 @@ class Voxels:
         self.cells = Cells()
         self._index = VoxelIndex()
         self._coord = np.zeros((0, 3), np.int32)
-        self._sums = np.zeros((0, 10), np.float64)
+        self._weight = np.zeros(0, np.float64)
+        self._position_sum = np.zeros((0, 3), np.float64)
+        self._normal_sum = np.zeros((0, 3), np.float64)
+        self._colour_sum = np.zeros((0, 3), np.float64)
         self.misses = np.zeros(0, np.uint8)
 
     def __len__(self) -> int:
@@ -44,51 +45,61 @@ class Voxels:
         coord = np.floor(surface.points_world / self.voxel_size_m).astype(np.int32)
         key, of_point = np.unique(pack_coord(coord), return_inverse=True)
         voxel_id = self._enter(unpack_coord(key))
-        self._sums[voxel_id] += _sums_per_voxel(surface, of_point, len(key))
+        weight, count = surface.weight, len(key)
+        self._weight[voxel_id] += np.bincount(of_point, weight, count)
+        self._position_sum[voxel_id] += _sums(surface.points_world, weight, of_point, count)
+        self._normal_sum[voxel_id] += _sums(surface.normals_world, weight, of_point, count)
+        self._colour_sum[voxel_id] += _sums(surface.rgb, weight, of_point, count)
         self.misses[voxel_id] = 0
         return Touched(voxel_id, of_point.astype(np.int32))
 
     def clear(self, voxel_id: Int32) -> None:
         """Forget what these voxels hold: the space is free."""
-        self._sums[voxel_id] = 0.0
+        for table in (self._weight, self._position_sum, self._normal_sum, self._colour_sum):
+            table[voxel_id] = 0.0
         self.misses[voxel_id] = 0
 
     def occupied(self, voxel_id: Int32) -> Int32:
         """Return those of ``voxel_id`` that hold a surface."""
-        return voxel_id[self._sums[voxel_id, _WEIGHT] > 0.0]
+        return voxel_id[self._weight[voxel_id] > 0.0]
 
     def coord(self, voxel_id: Int32) -> Int32:
         """Return int32 (M, 3) = floor(p / voxel_size)."""
         return self._coord[voxel_id]
 
+    def centres_world(self, voxel_id: Int32) -> Float64:
+        """Return the centres of the cubes float64 (M, 3), metres."""
+        return (self._coord[voxel_id] + 0.5) * self.voxel_size_m
+
     def points_world(self, voxel_id: Int32) -> Float64:
         """Return mean positions float64 (M, 3), metres."""
-        return self._mean(voxel_id, _POSITION)
+        return self._position_sum[voxel_id] / self._weight[voxel_id, None]
 
     def normals_world(self, voxel_id: Int32) -> Float64:
         """Return unit normals float64 (M, 3); zero where views from both sides cancel out."""
-        total = self._sums[voxel_id, _NORMAL]
+        total = self._normal_sum[voxel_id]
         length = np.sqrt((total**2).sum(axis=1, keepdims=True))
         return np.divide(total, length, out=np.zeros_like(total), where=length > 0)
 
     def rgb(self, voxel_id: Int32) -> UInt8:
         """Return mean colours uint8 (M, 3)."""
-        return np.rint(self._mean(voxel_id, _COLOUR)).astype(np.uint8)
+        return np.rint(self._mean_colour(voxel_id)).astype(np.uint8)
 
     def colours(self, voxel_id: Int32) -> Float32:
         """Return mean colours float32 (M, 3) in 0..1."""
-        return (self._mean(voxel_id, _COLOUR) / 255.0).astype(np.float32)
+        return (self._mean_colour(voxel_id) / 255.0).astype(np.float32)
 
-    def _mean(self, voxel_id: Int32, columns: slice) -> Float64:
-        sums = self._sums[voxel_id]
-        mean: Float64 = sums[:, columns] / sums[:, _WEIGHT, None]
-        return mean
+    def _mean_colour(self, voxel_id: Int32) -> Float64:
+        return self._colour_sum[voxel_id] / self._weight[voxel_id, None]
 
     def _enter(self, coord: Int32) -> Int32:
         known = len(self)
         voxel_id = self._index.insert(coord)
         self._coord = with_rows(self._coord, len(self), 0)
-        self._sums = with_rows(self._sums, len(self), 0.0)
+        self._weight = with_rows(self._weight, len(self), 0.0)
+        self._position_sum = with_rows(self._position_sum, len(self), 0.0)
+        self._normal_sum = with_rows(self._normal_sum, len(self), 0.0)
+        self._colour_sum = with_rows(self._colour_sum, len(self), 0.0)
         self.misses = with_rows(self.misses, len(self), 0)
         new = voxel_id >= known
         self._coord[voxel_id[new]] = coord[new]
@@ -96,9 +107,6 @@ class Voxels:
         return voxel_id
 
 
-def _sums_per_voxel(surface: Surface, of_point: Int32, count: int) -> Float64:
-    weight = surface.weight
-    columns = (*surface.points_world.T, *surface.normals_world.T, *surface.rgb.T)
-    sums = [np.bincount(of_point, column * weight, count) for column in columns]
-    sums.append(np.bincount(of_point, weight, count))
-    return np.stack(sums, axis=1)
+def _sums(rows: Array, weight: Float64, of_point: Int32, count: int) -> Float64:
+    columns = [np.bincount(of_point, column * weight, count) for column in rows.T]
+    return np.stack(columns, axis=1)

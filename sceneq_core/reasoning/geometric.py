@@ -1,5 +1,6 @@
 """The built-in reasoner: what the map's geometry alone can decide."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -18,7 +19,7 @@ from sceneq_core.reasoning.superlatives import (
     SUPERLATIVES,
     probability_of_first,
 )
-from sceneq_core.reasoning.upright import UprightBox, point_box, upright_axes, upright_box
+from sceneq_core.reasoning.upright import point_box, upright_axes, upright_box
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,30 +132,18 @@ class GeometricReasoner:
     ) -> _Holding:
         """Score a superlative: which of the targets comes first, averaged over the anchors."""
         weight = score / score.max() if score.max() > 0 else score
-        to_anchor = constraint.relation in COMPARED_TO_ANCHOR
-        anchors = _anchors(problem, constraint.anchor) if to_anchor else []
-        if not anchors:
-            measure = _measures(problem, constraint.relation, targets, None)
-            return _Holding(probability_of_first(weight, measure), (-1,) * len(targets))
-        share = np.array([a.p for a in anchors])
-        share = share / share.sum() if share.sum() > 0 else np.full(len(anchors), 1 / len(anchors))
-        first = np.array(
-            [
-                probability_of_first(
-                    weight * [t.instance_id != anchor.instance_id for t in targets],
-                    _measures(problem, constraint.relation, targets, anchor),
-                )
-                for anchor in anchors
-            ]
-        )
-        parts = first * share[:, None]
-        return _Holding(parts.sum(axis=0), tuple(int(j) for j in parts.argmax(axis=0)))
+        anchors = _anchors(problem, constraint.anchor)
+        reference: Sequence[Candidate | None] = anchors or [None]
+        first = [_first(problem, constraint.relation, targets, weight, a) for a in reference]
+        parts = np.array(first) * _shares([a.p for a in anchors])[:, None]
+        chosen = tuple(int(j) if anchors else -1 for j in parts.argmax(axis=0))
+        return _Holding(parts.sum(axis=0), chosen)
 
 
 def _undecided(targets: list[Candidate]) -> Verdict:
     """Without a relation or a size there is nothing to add to what the encoder said."""
     ranked = sorted(targets, key=lambda target: -target.p)
-    reason = "the question names no relation or size that geometry could decide by"
+    reason = "which one? the question names no relation or size to decide by"
     return Verdict(tuple((target.instance_id, target.p) for target in ranked), reason, 0)
 
 
@@ -183,6 +172,13 @@ def _relative(p: list[float]) -> Float64:
     return values / values.max() if values.max() > 0 else np.ones(len(p))
 
 
+def _shares(p: list[float]) -> Float64:
+    """Return probabilities that add up to one: one of them is meant; (1,) for no choice."""
+    weight = _relative(p) if p else np.ones(1)
+    shares: Float64 = weight / weight.sum()
+    return shares
+
+
 def _pair(problem: Problem, target: Candidate, anchor: Candidate) -> Pair:
     axes = upright_axes(anchor.T_world_box, problem.up_world)
     return Pair(
@@ -209,19 +205,26 @@ def _viewer_axes(problem: Problem, anchor: Candidate) -> Float64:
     return np.stack([np.cross(forward, up), forward, up])
 
 
-def _measures(
-    problem: Problem, superlative: str, targets: list[Candidate], anchor: Candidate | None
+def _first(
+    problem: Problem,
+    relation: str,
+    targets: list[Candidate],
+    weight: Float64,
+    anchor: Candidate | None,
 ) -> Float64:
-    """Return what the superlative makes small, (N,); distances without anchor are the viewer's."""
-    measure = SUPERLATIVES[superlative]
-    values = []
+    """Return the probability of each target (N,) to be first by a superlative.
+
+    Without an anchor it is seen from the viewer; the anchor itself does not take part.
+    """
+    superlative, measures = SUPERLATIVES[relation], []
     for target in targets:
         axes = upright_axes((anchor or target).T_world_box, problem.up_world)
-        other: UprightBox = (
-            upright_box(anchor, axes) if anchor else point_box(problem.viewpoint_world, axes)
-        )
-        values.append(measure(upright_box(target, axes), other))
-    return np.array(values)
+        viewer = point_box(problem.viewpoint_world, axes)
+        other = upright_box(anchor, axes) if anchor else viewer
+        measures.append(superlative.measure(upright_box(target, axes), other))
+    itself = [anchor is not None and t.instance_id == anchor.instance_id for t in targets]
+    real = np.where(itself, 0.0, weight)
+    return probability_of_first(real, np.array(measures), superlative.scale)
 
 
 def _none_reason(problem: Problem) -> str:
@@ -243,7 +246,11 @@ def _reason(
         anchors = _anchors(problem, constraint.anchor)
         parts.append(_said(constraint, anchors[index] if index >= 0 else None))
     name = problem.target or targets[best].label
-    return f"'{name}' {targets[best].instance_id} is {' and '.join(parts)}"
+    return f"{_named(targets[best], name)} is {' and '.join(parts)}"
+
+
+def _named(candidate: Candidate, words: str) -> str:
+    return f"instance {candidate.instance_id} ('{words}')"
 
 
 def _said(constraint: Constraint, anchor: Candidate | None) -> str:
@@ -253,7 +260,7 @@ def _said(constraint: Constraint, anchor: Candidate | None) -> str:
     if constraint.relation in COMPARED_TO_ANCHOR:
         words += " to" if constraint.relation == "nearest" else " from"
     if anchor is not None:
-        return f"{words} '{constraint.anchor}' {anchor.instance_id}"
+        return f"{words} {_named(anchor, constraint.anchor)}"
     if constraint.anchor:
         return f"{words} '{constraint.anchor}'"
     return f"{words} the viewer" if _needs_anchor(constraint.relation) else words

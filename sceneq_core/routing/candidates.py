@@ -54,11 +54,16 @@ def _gaps(snapshot: SceneSnapshot, row: int) -> Float64:
 def _candidates(
     snapshot: SceneSnapshot, role: str, words: str, fit: Fit, rows: Iterable[int]
 ) -> list[Candidate]:
-    return [_candidate(snapshot, role, words, fit, row) for row in rows]
+    p = fit.p
+    return [
+        _candidate(snapshot.instances[row], role, words, float(p[row]), float(fit.cosine[row]))
+        for row in rows
+    ]
 
 
-def _candidate(snapshot: SceneSnapshot, role: str, words: str, fit: Fit, row: int) -> Candidate:
-    instance = snapshot.instances[row]
+def _candidate(
+    instance: SceneInstance, role: str, words: str, p: float, cosine: float
+) -> Candidate:
     return Candidate(
         instance_id=instance.instance_id,
         role=role,

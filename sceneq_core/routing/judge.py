@@ -38,25 +38,34 @@ class Judge:
         self.params = params
         self._gate = Gate(params.gate)
 
-    def knows(self, presence: float) -> bool:
+    def knows(self, fit: Fit) -> bool:
         """Return whether there surely is such a thing."""
-        return presence >= self.params.min_presence
+        return fit.presence >= self.params.min_presence
 
     def accepts(self, confidence: Confidence) -> bool:
         """Return whether the gate lets the first guess pass."""
         return self._gate.accepts(confidence)
 
+    def absent(self, fit: Fit) -> bool:
+        """Return whether there surely is no such thing."""
+        return fit.presence < self.params.absent_lift * fit.chance
+
     def judge(self, words: str, fit: Fit, confidence: Confidence) -> tuple[str, str]:
         """Return status and reason of the encoder's own answer to ``words``."""
-        if fit.presence < self.params.absent_lift * fit.chance:
-            return NOT_FOUND, f"'{words}' fits no instance better than a label picked blindly"
+        if self.absent(fit):
+            return NOT_FOUND, absence(words)
         if not self.accepts(confidence):
             return AMBIGUOUS, hesitation(confidence)
-        if not self.knows(fit.presence):
+        if not self.knows(fit):
             return AMBIGUOUS, (
                 f"one instance stands out, but is '{words}' only with p {fit.presence:.2f}"
             )
         return FOUND, "the gate accepts the encoder's first guess"
+
+
+def absence(words: str) -> str:
+    """Say why there is no such thing."""
+    return f"'{words}' fits no instance better than a label picked blindly"
 
 
 def hesitation(confidence: Confidence) -> str:

@@ -8,6 +8,9 @@ import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from sceneq_core.encoding.colour import split_colours
 from sceneq_core.reasoning.reasoner import Constraint
 from sceneq_core.routing import words
 
@@ -50,19 +53,11 @@ def read(text: str) -> Phrase:
     return Phrase(_name(target), (*relations[:MAX_RELATIONS], *comparing))
 
 
-def split_colours(text: str) -> tuple[str, tuple[str, ...]]:
-    """Return a target or anchor without its colour words, and the basic terms they name."""
-    tokens = tuple(text.split())
-    noun: list[str] = []
-    colours: list[str] = []
-    for at, token in enumerate(tokens):
-        term = words.COLOUR_WORDS.get(token)
-        following = words.COLOUR_WORDS.get(tokens[at + 1]) if at + 1 < len(tokens) else None
-        if term:
-            colours.append(term)
-        elif term is None or not following:
-            noun.append(token)
-    return _name(tuple(noun)), tuple(dict.fromkeys(colours))
+def without_colours(text: str) -> tuple[str, tuple[int, ...]]:
+    """Return a target or anchor without its colour words, and the rows of ``COLOUR_TERMS``."""
+    rest, shares = split_colours(text)
+    rows = tuple(int(row) for row in np.flatnonzero(shares))
+    return _name(tuple(rest.split())), rows
 
 
 def _tokens(text: str) -> Tokens:

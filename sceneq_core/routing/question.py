@@ -10,8 +10,7 @@ import numpy as np
 from sceneq_core.arrays import Bool, Float32
 from sceneq_core.encoding.encoder import Encoder
 from sceneq_core.routing.labels import Labeller
-from sceneq_core.routing.phrase import Phrase, read, split_colours
-from sceneq_core.routing.words import COLOURS
+from sceneq_core.routing.phrase import Phrase, read, without_colours
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +18,7 @@ class Wanted:
     """The words for one thing.
 
     ``vector`` float32 (D,) of the words without colours, ``None`` = any thing; ``colours`` are
-    rows of the colour table; ``rivals`` bool (C,) marks the labels that mean something else.
+    rows of ``COLOUR_TERMS``; ``rivals`` bool (C,) marks the labels that mean something else.
     """
 
     vector: Float32 | None
@@ -74,12 +73,11 @@ class Reader:
         return Question(text, phrase, {thing: self._wanted(thing) for thing in things})
 
     def _wanted(self, thing: str) -> Wanted:
-        noun, colours = split_colours(thing)
-        rows = tuple(COLOURS.index(colour) for colour in colours)
+        noun, colours = without_colours(thing)
         if not noun:
-            return Wanted(None, rows, np.zeros(len(self._labeller.label_set), np.bool_))
+            return Wanted(None, colours, np.zeros(len(self._labeller.label_set), np.bool_))
         vector = self._tower.encode([noun])[0]
-        return Wanted(vector, rows, self._rivals(noun, vector))
+        return Wanted(vector, colours, self._rivals(noun, vector))
 
     def _rivals(self, noun: str, vector: Float32) -> Bool:
         """A label that means the same, or whose words end the noun's, speaks for it."""

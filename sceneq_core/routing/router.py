@@ -1,10 +1,11 @@
 """From a question to an answer: at once when the encoder is sure, by a reasoner when not."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from sceneq_core.encoding.colour import COLOUR_TERMS
 from sceneq_core.encoding.encoder import Encoder
 from sceneq_core.reasoning.reasoner import Problem, Verdict
 from sceneq_core.routing.answer import (
@@ -20,12 +21,11 @@ from sceneq_core.routing.answer import (
 )
 from sceneq_core.routing.candidates import pose_problem
 from sceneq_core.routing.gate import Confidence
-from sceneq_core.routing.judge import Judge, JudgeParams, hesitation
+from sceneq_core.routing.judge import Judge, JudgeParams, absence, hesitation
 from sceneq_core.routing.labels import Labeller
 from sceneq_core.routing.likelihood import Fit, fit
 from sceneq_core.routing.question import Question, Reader, TextTower
 from sceneq_core.routing.scene import SceneSnapshot
-from sceneq_core.routing.words import COLOURS
 
 MAX_MATCHES = 50
 
@@ -53,11 +53,13 @@ class RouterParams:
 class Routed:
     """The encoder's answer, whether it is ``enough``, and the problem for a reasoner if it is not.
 
-    There is no problem in an empty map.
+    ``known``: the encoder surely knows all the things that are spoken of. There is no problem in
+    an empty map.
     """
 
     answer: Answer
     enough: bool
+    known: bool
     problem: Problem | None
 
 
@@ -75,7 +77,7 @@ class Router:
         self._temperature = encoder.temperature
         self._judge = Judge(params.judge)
         self._reader = Reader(tower, labeller, params.synonym_cosine)
-        self._colour_vectors = tower.encode(COLOURS)
+        self._colour_vectors = tower.encode(COLOUR_TERMS)
 
     def read(self, text: str) -> Question:
         """Return the question in ``text``: the only step that runs the text tower.
@@ -88,25 +90,28 @@ class Router:
     def answer(self, snapshot: SceneSnapshot, question: Question) -> Routed:
         """Answer from the descriptors, and say whether a reasoner should look at it."""
         if not len(snapshot):
-            return Routed(_empty(snapshot, question), enough=True, problem=None)
+            return Routed(_empty(snapshot, question), enough=True, known=False, problem=None)
         fits = {words: self._fit(snapshot, question, words) for words in question.wanted}
         target = question.phrase.target
         confidence = Confidence.of(fits[target].p, self._temperature)
-        status, reason = self._judge.judge(target or "anything", fits[target], confidence)
-        enough = status != AMBIGUOUS and not question.phrase.constraints
+        status, reason = self._decide(question, fits, confidence)
         answer = Answer(
-            status=status if enough or status == NOT_FOUND else AMBIGUOUS,
+            status=status,
             question=question.text,
             matches=_matches(snapshot, fits[target]),
             confidence=confidence,
             presence=fits[target].presence,
             route=FAST,
-            reason=reason + _left_out(question),
+            reason=reason,
             vlm_calls=0,
             revision=snapshot.revision,
         )
-        problem = pose_problem(snapshot, question, fits, self.params.top_k)
-        return Routed(answer, enough, problem)
+        return Routed(
+            answer=answer,
+            enough=status != AMBIGUOUS,
+            known=all(self._judge.knows(fit) for fit in fits.values()),
+            problem=pose_problem(snapshot, question, fits, self.params.top_k),
+        )
 
     def conclude(self, snapshot: SceneSnapshot, routed: Routed, verdict: Verdict) -> Answer:
         """Return the reasoner's answer; it may be bold only where the encoder knows the thing.
@@ -114,14 +119,16 @@ class Router:
         Raises:
             ValueError: the verdict ranks an instance that was not among the candidates.
         """
-        fast, known = routed.answer, self._judge.knows(routed.answer.presence)
+        fast = routed.answer
         told = replace(fast, route=REASONED, reason=verdict.reason, vlm_calls=verdict.vlm_calls)
         if not verdict.ranking:
-            return replace(told, status=NOT_FOUND if known else AMBIGUOUS)
+            return replace(told, status=NOT_FOUND if routed.known else AMBIGUOUS)
         confidence = Confidence.of(np.array([p for _, p in verdict.ranking]), self._temperature)
-        sure = known and self._judge.accepts(confidence)
+        sure = routed.known and self._judge.accepts(confidence)
+        doubt = "" if routed.known else "; but the encoder is not sure that these are such things"
         return replace(
             told,
+            reason=verdict.reason + doubt,
             status=FOUND if sure else AMBIGUOUS,
             matches=tuple(_ranked(snapshot, routed.problem, verdict.ranking)),
             confidence=confidence,
@@ -148,6 +155,19 @@ class Router:
 
     def _fit(self, snapshot: SceneSnapshot, question: Question, words: str) -> Fit:
         return fit(snapshot, question.wanted[words], self._colour_vectors, self._temperature)
+
+    def _decide(
+        self, question: Question, fits: Mapping[str, Fit], confidence: Confidence
+    ) -> tuple[str, str]:
+        """Judge the target; the encoder cannot be sure of a relation, only of a missing anchor."""
+        target, constraints = question.phrase.target, question.phrase.constraints
+        for words in (c.anchor for c in constraints if c.anchor):
+            if self._judge.absent(fits[words]):
+                return NOT_FOUND, absence(words)
+        status, reason = self._judge.judge(target or "anything", fits[target], confidence)
+        if constraints and status != NOT_FOUND:
+            return AMBIGUOUS, f"ranked by '{target or 'anything'}' only, {_left_out(question)}"
+        return status, reason
 
 
 def _empty(snapshot: SceneSnapshot, question: Question) -> Answer:
@@ -188,8 +208,5 @@ def _ranked(
 
 def _left_out(question: Question) -> str:
     """Say what the encoder alone did not look at."""
-    if not question.phrase.constraints:
-        return ""
-    words = question.phrase.target or "anything"
-    asked = ", ".join(f"{c.relation} {c.anchor}".strip() for c in question.phrase.constraints)
-    return f"; ranked by '{words}' only, without: {asked.replace('_', ' ')}"
+    asked = (f"'{c.relation} {c.anchor}'".replace(" '", "'") for c in question.phrase.constraints)
+    return f"without {' and '.join(asked).replace('_', ' ')}"

@@ -8,7 +8,6 @@ import numpy as np
 from sceneq_core.arrays import Float32, Float64, Int32
 from sceneq_core.mapping.delta import Instance
 from sceneq_core.routing.labels import Label, Labeller
-from sceneq_core.views.view import ViewSet
 
 Box = tuple[float, float, float, float]
 
@@ -111,14 +110,13 @@ class Scene:
         self._revision = revision
         self._up_world = _unit(up_world, self._up_world)
 
-    def apply_views(self, map_epoch: int, view_sets: Iterable[ViewSet], *, full: bool) -> None:
-        """Take over changed view sets that were computed against the map of ``map_epoch``."""
+    def apply_views(
+        self, map_epoch: int, views: Mapping[int, tuple[ViewRef, ...]], *, full: bool
+    ) -> None:
+        """Take over changed views by instance id, computed against the map of ``map_epoch``."""
         if full:
             self._views = {}
-        for view_set in view_sets:
-            self._views[view_set.instance_id] = tuple(
-                ViewRef(view.seq, _box(view.box_xyxy)) for view in view_set.views
-            )
+        self._views.update(views)
         self._views_epoch = map_epoch
 
     def apply_descriptors(
@@ -135,6 +133,11 @@ class Scene:
         for instance_id in removed.tolist():
             self._described.pop(instance_id, None)
         self._described.update(described)
+
+    def accepts(self, descriptor: Float32) -> bool:
+        """Return whether ``descriptor`` is finite and as long as the label texts' vectors."""
+        dim = self._labeller.text_vectors.shape[1]
+        return descriptor.shape == (dim,) and bool(np.isfinite(descriptor).all())
 
     def move_viewpoint(self, position_world: Float64) -> None:
         """Remember where the camera is now, (3,) metres."""
@@ -163,8 +166,8 @@ class Scene:
         return same_map and bool(self._views.get(instance_id)) and instance_id in self._described
 
     def _describe(self, instance_id: int, descriptor: Float32) -> _Described:
-        dim = self._labeller.text_vectors.shape[1]
-        if descriptor.shape != (dim,) or not np.isfinite(descriptor).all():
+        if not self.accepts(descriptor):
+            dim = self._labeller.text_vectors.shape[1]
             raise ValueError(
                 f"descriptor of instance {instance_id}: expected {dim} finite numbers, "
                 f"got shape {descriptor.shape}"
@@ -175,11 +178,6 @@ class Scene:
 
 def _rows(rows: list[Float32], width: int) -> Float32:
     return np.stack(rows) if rows else np.zeros((0, width), np.float32)
-
-
-def _box(box_xyxy: Float32) -> Box:
-    left, top, right, bottom = (float(value) for value in box_xyxy)
-    return left, top, right, bottom
 
 
 def _unit(vector: Float64, otherwise: Float64) -> Float64:

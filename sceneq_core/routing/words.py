@@ -147,32 +147,6 @@ CLOSEST = ("nearest", "closest")
 AFTER_CLOSEST = {"to": "nearest", "from": "nearest"}
 """Before the target: "the nearest chair" is nearest to the viewer, or to the anchor named later."""
 
-COLOURS = (
-    "black",
-    "grey",
-    "white",
-    "red",
-    "orange",
-    "brown",
-    "yellow",
-    "green",
-    "blue",
-    "purple",
-    "pink",
-)
-"""The eleven basic colour terms of English (Berlin and Kay, 1969)."""
-
-COLOUR_WORDS = {colour: colour for colour in COLOURS} | {
-    "gray": "grey",
-    "violet": "purple",
-    "beige": "brown",
-    "golden": "yellow",
-    "dark": "",
-    "light": "",
-    "bright": "",
-}
-"""Colour word -> basic term; an empty term only shades the colour word that follows it."""
-
 VIEWER = ("me", "us", "you", "myself", "yourself", "the viewer", "the robot", "the observer")
 """Anchors that mean where the scene is seen from."""
 

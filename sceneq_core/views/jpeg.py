@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import UInt8
+from sceneq_core.arrays import Float32, UInt8
 
 QUALITY = 90
 """Crops at 90 keep the classifier's answer; an image of 640x480 takes 60-80 KB."""
@@ -28,6 +28,22 @@ def rgb_from_jpeg(data: bytes) -> UInt8:
     if bgr is None:
         raise ValueError(f"{len(data)} bytes are no JPEG")
     return np.asarray(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB), np.uint8)
+
+
+def with_box(jpeg: bytes, box_xyxy: Float32) -> bytes:
+    """Return the image with a box (4,) in pixels drawn on it, dark inside bright for any ground.
+
+    Raises:
+        ValueError: no JPEG, or a box that is not finite.
+    """
+    if not np.isfinite(box_xyxy).all():
+        raise ValueError(f"box {box_xyxy.tolist()} is not finite")
+    rgb = rgb_from_jpeg(jpeg)
+    height, width = rgb.shape[:2]
+    x0, y0, x1, y1 = np.clip(box_xyxy, 0, [width, height, width, height]).astype(int).tolist()
+    for colour, thickness in (((255, 210, 0), 4), ((40, 40, 40), 1)):
+        cv2.rectangle(rgb, (x0, y0), (x1 - 1, y1 - 1), colour, thickness)
+    return jpeg_from_rgb(rgb)
 
 
 def jpeg_size(data: bytes) -> tuple[int, int] | None:

@@ -7,15 +7,19 @@ voxels, superpoints and instances change around it.
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
-from sceneq_core.arrays import Array, Float64, Int32
+from sceneq_core.arrays import Array, Float32, Float64, Int32
 from sceneq_core.frame import Frame
 from sceneq_core.mapping.replica import MapReplica
 from sceneq_core.mapping.voxel_index import COORD_LIMIT, VoxelIndex
 
 STRIDE_PX = 2
 NO_PLACE = -1
+WINDOW_PX = (5, 5)
+SAME_SURFACE = 0.02
+"""Depths that differ by less than this share of the depth belong to one surface."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +60,8 @@ class Places:
         if missing > 0:
             room = np.full(max(missing, len(self._place_of_voxel)), NO_PLACE, np.int32)
             self._place_of_voxel = np.append(self._place_of_voxel, room)
-        self._place_of_voxel[voxel_id] = self._index.insert(voxel_coord)
+        new = self._place_of_voxel[voxel_id] == NO_PLACE
+        self._place_of_voxel[voxel_id[new]] = self._index.insert(voxel_coord[new])
 
     def instance_of_place(self, replica: MapReplica) -> Int32:
         """Return the instance at each place, int32 (P + 1,); the last one, for -1, is 0."""
@@ -67,31 +72,33 @@ class Places:
         return instance_id
 
     def render(self, frame: Frame, voxel_size_m: float) -> PlaceImage:
-        """Return the places that ``frame`` shows, at half resolution."""
+        """Return the places that ``frame`` shows; raise ``ValueError`` when there is no map yet."""
+        if not voxel_size_m > 0:
+            raise ValueError(f"frame {frame.seq}: no map to look at yet")
         points_voxel, valid = _points_in_voxels(frame, voxel_size_m)
         coord = np.floor(points_voxel)
         first = _run_starts(coord, valid)
         place = np.full(len(first), NO_PLACE, np.int32)
         known = valid.ravel()[first]
-        place[known] = self._nearest(coord.reshape(-1, 3)[first[known]], points_voxel, first[known])
+        pixel = first[known]
+        place[known] = self._nearest(
+            coord.reshape(-1, 3)[pixel], points_voxel.reshape(-1, 3)[pixel]
+        )
         length = np.diff(first, append=valid.size).astype(np.int32)
         return PlaceImage(place, length, (valid.shape[0], valid.shape[1]))
 
-    def _nearest(self, coord: Float64, points_voxel: Float64, pixel: Array) -> Int32:
-        """Return the place at each coordinate or, where there is none, at the closest face.
+    def _nearest(self, coord: Float64, points_voxel: Float64) -> Int32:
+        """Return the place at each coordinate (M, 3) or, where there is none, at the closest face.
 
         The map leaves out depth edges and grazing views; half a voxel away is the same surface.
         """
         place = self._index.lookup(coord.astype(np.int32))
-        offset = points_voxel.reshape(-1, 3)[pixel] - coord - 0.5
-        for rank in (2, 1, 0):
-            missing = np.flatnonzero(place < 0)
-            if not len(missing):
-                break
-            axis = np.argsort(np.abs(offset[missing]), axis=1, kind="stable")[:, rank]
-            beside = coord[missing]
-            beside[np.arange(len(missing)), axis] += np.sign(offset[missing, axis])
-            place[missing] = self._index.lookup(beside.astype(np.int32))
+        missing = np.flatnonzero(place < 0)
+        offset = points_voxel[missing] - coord[missing] - 0.5
+        row, axis = np.arange(len(missing)), np.argmax(np.abs(offset), axis=1)
+        beside = coord[missing].astype(np.int32)
+        beside[row, axis] += np.sign(offset[row, axis]).astype(np.int32)
+        place[missing] = self._index.lookup(beside)
         return place
 
 
@@ -100,7 +107,7 @@ def _points_in_voxels(frame: Frame, voxel_size_m: float) -> tuple[Float64, Array
 
     Depth without a measurement and points outside the index are not valid.
     """
-    depth_m = frame.depth_m[::STRIDE_PX, ::STRIDE_PX].astype(np.float64)
+    depth_m = _smoothed(np.ascontiguousarray(frame.depth_m[::STRIDE_PX, ::STRIDE_PX]))
     height, width = frame.depth_m.shape
     x = (np.arange(0, width, STRIDE_PX) - frame.K[0, 2]) / frame.K[0, 0]
     y = (np.arange(0, height, STRIDE_PX) - frame.K[1, 2]) / frame.K[1, 1]
@@ -113,6 +120,19 @@ def _points_in_voxels(frame: Frame, voxel_size_m: float) -> tuple[Float64, Array
     points = ray_world * depth_m[..., None] + frame.T_world_camera[:3, 3] / voxel_size_m
     inside = (np.abs(points) < COORD_LIMIT - 2).all(axis=-1)
     return points, inside & (depth_m > 0)
+
+
+def _smoothed(depth_m: Float32) -> Float64:
+    """Return the depth with the noise of the sensor averaged out, as the map does.
+
+    Inverse depth, because a plane is linear in it; not across edges, where the mean is far off.
+    """
+    valid = depth_m > 0
+    inverse = np.where(valid, 1.0 / np.maximum(depth_m, np.float32(1e-3)), np.float32(0))
+    share = np.maximum(cv2.blur(valid.astype(np.float32), WINDOW_PX), np.float32(1e-6))
+    mean_m = share.astype(np.float64) / np.maximum(cv2.blur(inverse, WINDOW_PX), 1e-6)
+    z = depth_m.astype(np.float64)
+    return np.where(np.abs(mean_m - z) < SAME_SURFACE * z, mean_m, z)
 
 
 def _run_starts(coord: Float64, valid: Array) -> Array:

@@ -1,5 +1,6 @@
 """The keyframes that show each instance best, kept up to date while the map grows."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -45,7 +46,7 @@ class ViewSelector:
         self._sightings: dict[int, dict[int, Sighting]] = {}
         self._view_sets: dict[int, ViewSet] = {}
         self._concerned: set[int] = set()
-        self._recounted: set[int] = set()
+        self._outdated: set[tuple[int, int]] = set()
         self.archive = ImageArchive(self._params.archive)
 
     def observe(self, frame: Frame, delta: MapDelta) -> tuple[ViewSet, ...]:
@@ -78,7 +79,7 @@ class ViewSelector:
         places = self._places.render(frame, self._replica.voxel_size_m)
         self.archive.add(make_keyframe(frame, places))
         self._look(frame.seq)
-        self._concerned.update(self._sightings[frame.seq])
+        self._outdate(frame.seq, self._sightings[frame.seq])
 
     def changes(self) -> tuple[ViewSet, ...]:
         """Choose again for every instance concerned since the last call; return what changed."""
@@ -89,7 +90,7 @@ class ViewSelector:
             for i, seqs in chosen.items()
         ]
         self._concerned.clear()
-        self._recounted.clear()
+        self._outdated.clear()
         return tuple(view_set for view_set in view_sets if self._take(view_set))
 
     def view_sets(self) -> tuple[ViewSet, ...]:
@@ -111,18 +112,21 @@ class ViewSelector:
             touched = keyframe.places.place[changed[keyframe.places.place]]
             if len(touched):
                 self._look(keyframe.seq)
-                self._concerned.update(np.unique(before[touched]).tolist())
-                self._concerned.update(np.unique(now[touched]).tolist())
+                self._outdate(keyframe.seq, np.unique([before[touched], now[touched]]).tolist())
 
     def _look(self, seq: int) -> None:
         """Find the instances in a keyframe of the archive."""
         self._sightings[seq] = find_sightings(self.archive[seq], self._instance_of_place)
-        self._recounted.add(seq)
+
+    def _outdate(self, seq: int, instance_ids: Iterable[int]) -> None:
+        """Note that these instances look different in a keyframe from now on."""
+        for instance_id in instance_ids:
+            self._concerned.add(instance_id)
+            self._outdated.add((seq, instance_id))
 
     def _forget(self, seq: int) -> None:
         """Drop what was seen in a keyframe that the archive let go of."""
         del self._sightings[seq]
-        self._recounted.discard(seq)
         self._concerned.update(i for i, views in self._view_sets.items() if _shows(views, seq))
 
     def _choose(self, instance_id: int) -> tuple[int, ...]:
@@ -146,14 +150,14 @@ class ViewSelector:
             seq
             for instance_id, seqs in chosen.items()
             for seq in seqs
-            if seq in self._recounted or not self._present(seq, instance_id)
+            if (seq, instance_id) in self._outdated or not self._present(seq, instance_id)
         }
         return {seq: self.archive[seq].instance_image(self._instance_of_place) for seq in new}
 
     def _view(self, seq: int, instance_id: int, images: dict[int, Int32]) -> View:
         """Return the view of an instance in a keyframe; the present one if it still holds."""
         present = self._present(seq, instance_id)
-        if present and seq not in self._recounted:
+        if present and (seq, instance_id) not in self._outdated:
             return present
         view = make_view(self.archive[seq], images[seq], instance_id)
         return present if present and _alike(present, view) else view

@@ -42,7 +42,8 @@ def find_sightings(keyframe: Keyframe, instance_of_place: Int32) -> dict[int, Si
 def make_view(keyframe: Keyframe, instance_image: Int32, instance_id: int) -> View:
     """Return the view of an instance that ``instance_image`` (H/2, W/2) shows, without strays."""
     mask, top, left = _cropped(instance_image == instance_id)
-    mask, down, right = _cropped(_without_strays(mask))
+    others = instance_image[top : top + mask.shape[0], left : left + mask.shape[1]] > 0
+    mask, down, right = _cropped(_without_strays(mask | _filled(mask) & ~others))
     top, left = top + down, left + right
     height, width = keyframe.size
     x1 = min((left + mask.shape[1]) * STRIDE_PX, width)
@@ -61,6 +62,12 @@ def _cropped(mask: Bool) -> tuple[Bool, int, int]:
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     top, left = int(rows[0]), int(columns[0])
     return mask[top : rows[-1] + 1, left : columns[-1] + 1].copy(), top, left
+
+
+def _filled(mask: Bool) -> Bool:
+    """Return the mask with holes of a sample or two closed: depth noise leaves its voxel."""
+    kernel = np.ones((3, 3), np.uint8)
+    return cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_CLOSE, kernel).astype(np.bool_)
 
 
 def _without_strays(mask: Bool) -> Bool:

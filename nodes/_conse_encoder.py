@@ -1,0 +1,75 @@
+"""The embedded default encoder: weights from installed packages, ONNX Runtime, no download."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from threading import RLock
+from typing import Any, ClassVar
+
+import numpy as np
+from sceneq_nodes._assets import Assets, assets
+from sceneq_nodes._classifier_onnx import FEATURE, INPUT, LOGITS, SIDE_PX
+from sceneq_nodes._sentence import SentenceTower, session
+
+from sceneq_core.arrays import Float32
+from sceneq_core.encoding.conse import Conse
+from sceneq_core.encoding.joint import DIM
+from sceneq_core.encoding.prior import indoor_prior
+
+
+@dataclass(frozen=True, slots=True)
+class ConseParams:
+    """``threads`` a session may use; ``text_cache`` texts are remembered."""
+
+    threads: int = 1
+    text_cache: int = 4096
+
+    def __post_init__(self) -> None:
+        if self.threads < 1:
+            raise ValueError(f"threads: must be at least 1, got {self.threads}")
+        if self.text_cache < 1:
+            raise ValueError(f"text_cache: must be at least 1, got {self.text_cache}")
+
+
+class ConseEncoder(Conse):
+    """``Conse`` on files. Each tower loads when it is first used: routing needs the text only."""
+
+    Params: ClassVar[type] = ConseParams
+
+    def __init__(self, params: ConseParams) -> None:
+        super().__init__(
+            classify=self._run_classifier,
+            embed=lambda text: self._sentence.embed(text),
+            class_vectors=lambda: self._class_vectors,
+            prior=indoor_prior(),
+            side_px=SIDE_PX,
+            text_cache=params.text_cache,
+        )
+        self.model_id = "conse-lite2-minilm-v1"
+        self.dim = DIM
+        self.temperature = 0.05
+        self._threads = params.threads
+        self._loading = RLock()
+
+    def _run_classifier(self, image: Float32) -> tuple[Float32, Float32]:
+        logits, feature = self._classifier.run([LOGITS, FEATURE], {INPUT: image})
+        return logits[0], feature[0]
+
+    @cached_property
+    def _assets(self) -> Assets:
+        return assets()
+
+    @cached_property
+    def _classifier(self) -> Any:
+        with self._loading:
+            return session(self._assets.classifier, self._threads)
+
+    @cached_property
+    def _sentence(self) -> SentenceTower:
+        with self._loading:
+            files = self._assets
+            return SentenceTower(files.sentence_model, files.tokenizer, self._threads)
+
+    @cached_property
+    def _class_vectors(self) -> Float32:
+        vectors: Float32 = np.load(self._assets.class_vectors, allow_pickle=False)
+        return vectors

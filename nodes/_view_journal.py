@@ -1,0 +1,62 @@
+"""The view sets as readers know them: numbers every change, answers for the whole."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from threading import Lock
+
+from sceneq_nodes._bus import Reply, Request
+from sceneq_nodes._wire import to_bytes
+from sceneq_schemas.topics import VIEW_SNAPSHOT
+from sceneq_schemas.view import ViewDelta, ViewSet
+
+
+class ViewJournal:
+    """Written by the node, read from any thread.
+
+    ``epoch`` names this run of the writer; ``seq`` counts its deltas from 1.
+    """
+
+    def __init__(self, epoch: int) -> None:
+        self._lock = Lock()
+        self._view_sets: dict[int, ViewSet] = {}
+        self._last = ViewDelta(
+            epoch=epoch,
+            seq=0,
+            full=True,
+            frame_seq=-1,
+            stamp_ns=0,
+            map_epoch=0,
+            map_seq=0,
+            view_sets=(),
+        )
+
+    @property
+    def frame_seq(self) -> int:
+        """The newest keyframe written about, -1 before the first."""
+        return self._last.frame_seq
+
+    def write(self, changed: Iterable[ViewSet], **where: int) -> ViewDelta:
+        """Return the next delta; ``where`` are its keyframe and map revision if they moved on."""
+        with self._lock:
+            sets = tuple(changed)
+            seq = self._last.seq + 1
+            self._last = replace(self._last, seq=seq, full=False, view_sets=sets, **where)
+            for view_set in sets:
+                self._keep(view_set)
+            return self._last
+
+    def snapshot(self) -> ViewDelta:
+        """Return every view set as of the last delta."""
+        with self._lock:
+            sets = tuple(self._view_sets[i] for i in sorted(self._view_sets))
+            return replace(self._last, full=True, view_sets=sets)
+
+    def answer(self, request: Request) -> Reply:
+        """Answer a request for the snapshot."""
+        return Reply(to_bytes(VIEW_SNAPSHOT, self.snapshot()), VIEW_SNAPSHOT.encoding)
+
+    def _keep(self, view_set: ViewSet) -> None:
+        if view_set.views:
+            self._view_sets[view_set.instance_id] = view_set
+        else:
+            self._view_sets.pop(view_set.instance_id, None)

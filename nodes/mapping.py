@@ -1,0 +1,120 @@
+"""Grows the map from keyframes and their 2D segments.
+
+Reads   sceneq/frame/<robot>/<sensor>/v1 and sceneq/mask/<scene>/v1 (latest wins), joined by seq.
+Writes  sceneq/map/<scene>/delta/v1 after every keyframe: epoch = start time in ns, seq from 1.
+Serves  sceneq/map/<scene>/@snapshot/v1: the whole map as one message.
+Rate    that of the keyframes; they are integrated in the order in which they become complete.
+Bad     a frame without its segments (or the reverse) waits until ``max_waiting`` newer ones came,
+        then it counts as ``frames_unmatched``; a seq that is already in the map counts as
+        ``frames_repeated``; a frame that does not decode or fit counts as ``frames_refused``.
+"""
+
+import logging
+import threading
+import time
+from collections import OrderedDict
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
+from sceneq_nodes._convert import map_delta_message
+from sceneq_nodes._images import frame_from_message
+from sceneq_nodes._wire import to_bytes
+from sceneq_schemas.errors import DecodeError
+from sceneq_schemas.frame import Frame as FrameMessage
+from sceneq_schemas.mask import Masks
+from sceneq_schemas.topics import FRAME, MAP_DELTA, MAP_SNAPSHOT, MASK
+
+from sceneq_core.mapping.mapper import Mapper, MapperParams
+
+log = logging.getLogger(__name__)
+
+REMEMBERED_SEQS = 65_536
+
+
+@dataclass(frozen=True, slots=True)
+class MappingParams:
+    """``max_waiting`` frames, and as many masks, wait for their other half."""
+
+    mapper: MapperParams = field(default_factory=MapperParams)
+    max_waiting: int = 16
+
+    def __post_init__(self) -> None:
+        if self.max_waiting < 1:
+            raise ValueError(f"max_waiting: must be at least 1, got {self.max_waiting}")
+
+
+class Mapping:
+    """Owns the map of one scene."""
+
+    Params: ClassVar[type] = MappingParams
+    idle_s: ClassVar[float] = 1.0
+
+    def __init__(self, params: MappingParams, context: Context) -> None:
+        self._params = params
+        self._context = context
+        self._frames: OrderedDict[int, FrameMessage] = OrderedDict()
+        self._masks: OrderedDict[int, Masks] = OrderedDict()
+        self._done: OrderedDict[int, None] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def open(self, bus: Bus) -> None:
+        """Start an empty map, subscribe to both inputs and serve the snapshot."""
+        self._bus = bus
+        self._mapper = Mapper(self._params.mapper)
+        self._epoch, self._seq = time.time_ns(), 0
+        context, depth = self._context, self._params.max_waiting
+        bus.subscribe(FRAME, depth=depth, robot=context.robot, sensor=context.sensor)
+        bus.subscribe(MASK, depth=depth, scene=context.scene)
+        bus.serve(MAP_SNAPSHOT, self._snapshot, scene=context.scene)
+
+    def step(self, received: Received | None) -> None:
+        """Keep one half of a keyframe, or integrate the keyframe when both are there."""
+        if received is None:
+            return
+        message = received.message
+        if message.seq in self._done:
+            self._bus.count("frames_repeated", received.topic is FRAME)
+            return
+        half = self._frames if received.topic is FRAME else self._masks
+        half[message.seq] = message
+        if message.seq in self._frames and message.seq in self._masks:
+            self._integrate(self._frames.pop(message.seq), self._masks.pop(message.seq))
+        self._drop_oldest(half)
+
+    def close(self) -> None:
+        """Nothing to release."""
+
+    def _integrate(self, frame: FrameMessage, masks: Masks) -> None:
+        _remember(self._done, frame.seq)
+        try:
+            with self._lock:
+                delta = self._mapper.integrate(frame_from_message(frame), masks.label_image)
+                self._seq += 1
+        except (DecodeError, ValueError) as error:
+            self._bus.count("frames_refused")
+            log.warning("frame %d refused: %s", frame.seq, error)
+            return
+        message = map_delta_message(delta, self._epoch, self._seq)
+        self._bus.publish(MAP_DELTA, message, scene=self._context.scene)
+        self._bus.count("frames_integrated")
+        self._bus.report(frame_seq=frame.seq, **self._mapper.counts())
+
+    def _drop_oldest(self, half: OrderedDict[int, Any]) -> None:
+        if len(half) > self._params.max_waiting:
+            seq, _ = half.popitem(last=False)
+            self._bus.count("frames_unmatched")
+            log.warning("frame %d: the other half never came", seq)
+
+    def _snapshot(self, request: Request) -> Reply:
+        """Copy the map between two keyframes; encoding does not hold mapping up."""
+        with self._lock:
+            snapshot, seq = self._mapper.snapshot(), self._seq
+        message = map_delta_message(snapshot, self._epoch, seq)
+        return Reply(to_bytes(MAP_SNAPSHOT, message), MAP_SNAPSHOT.encoding)
+
+
+def _remember(done: OrderedDict[int, None], seq: int) -> None:
+    done[seq] = None
+    if len(done) > REMEMBERED_SEQS:
+        done.popitem(last=False)

@@ -1,0 +1,162 @@
+"""Names the keyframes that show each instance best, and keeps the pictures to prove it.
+
+Reads   frames and map deltas, joined by ``seq``: a keyframe is looked at once the map holds it.
+Writes  one view delta per keyframe looked at, also when no view set changed: it tells ingest how
+        far the graph has come. A keyframe sent again is acknowledged again.
+Serves  sceneq/view/<scene>/@snapshot/v1 and @image/v1 (JPEG of a keyframe, ``?seq=``, ``;box=``).
+Rate    as the map changes, about 3 Hz; STATE delivery, gaps are healed from the snapshot.
+Bad     frames that the map never takes in are let go (``frames_unmatched``), frames that do not
+        decode are skipped (``frames_bad``), a delta that contradicts the map too
+        (``map_delta_bad``); each is logged.
+"""
+
+import logging
+import time
+from collections import deque
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
+from sceneq_nodes._convert import map_delta_from_message, view_set_message
+from sceneq_nodes._follow import Follower
+from sceneq_nodes._images import frame_from_message
+from sceneq_nodes._view_image import answer_image
+from sceneq_nodes._view_journal import ViewJournal
+from sceneq_schemas.errors import DecodeError
+from sceneq_schemas.frame import Frame
+from sceneq_schemas.map import MapDelta
+from sceneq_schemas.topics import (
+    FRAME,
+    MAP_DELTA,
+    MAP_SNAPSHOT,
+    VIEW_DELTA,
+    VIEW_IMAGE,
+    VIEW_SNAPSHOT,
+)
+
+from sceneq_core.views.archive import ArchiveParams
+from sceneq_core.views.choice import ChoiceParams
+from sceneq_core.views.selector import ViewParams, ViewSelector
+
+log = logging.getLogger(__name__)
+
+REMEMBERED = 64
+"""So many keyframes, the last ones, are known when they come late or again."""
+
+
+@dataclass(frozen=True, slots=True)
+class ViewsParams:
+    """How views are ranked, how many images are kept, how many frames wait for their map."""
+
+    choice: ChoiceParams = field(default_factory=ChoiceParams)
+    archive: ArchiveParams = field(default_factory=ArchiveParams)
+    waiting: int = 8
+
+    def __post_init__(self) -> None:
+        if self.waiting < 1:
+            raise ValueError(f"waiting: must be at least 1, got {self.waiting}")
+
+
+class Views:
+    """Drives a ``ViewSelector`` with the frames and the map of one scene."""
+
+    Params: ClassVar[type] = ViewsParams
+    idle_s: ClassVar[float] = 0.5
+
+    def __init__(self, params: ViewsParams, context: Context) -> None:
+        self._params = params
+        self._context = context
+        self._selector = ViewSelector(ViewParams(params.choice, params.archive))
+        self._waiting: dict[int, Frame] = {}
+        self._observed: deque[tuple[int, int]] = deque(maxlen=REMEMBERED)
+        self._mapped: deque[int] = deque(maxlen=REMEMBERED)
+
+    def open(self, bus: Bus) -> None:
+        """Subscribe to frames and the map, serve the snapshot and the pictures."""
+        context, self._bus = self._context, bus
+        self._journal = ViewJournal(epoch=time.time_ns())
+        bus.subscribe(FRAME, depth=self._params.waiting, robot=context.robot, sensor=context.sensor)
+        bus.serve(VIEW_SNAPSHOT, self._journal.answer, scene=context.scene)
+        bus.serve(VIEW_IMAGE, self._answer_image, scene=context.scene)
+        self._map = Follower(bus, MAP_DELTA, MAP_SNAPSHOT, self._follow, scene=context.scene)
+        self._map.open()
+
+    def step(self, received: Received | None) -> None:
+        """Take in a frame or a change of the map; look at the keyframes that the map now holds."""
+        if received is None:
+            self._map.tick()
+        elif received.topic is FRAME:
+            self._wait(received.message)
+        else:
+            self._map.offer(received.message)
+        self._join()
+        if received is None:
+            self._publish_changes()
+
+    def close(self) -> None:
+        """Nothing to release."""
+
+    def _follow(self, delta: MapDelta) -> None:
+        """Take over a map delta; a whole map holds the older frames that wait as well."""
+        try:
+            self._selector.follow(map_delta_from_message(delta))
+        except ValueError as error:
+            self._bus.count("map_delta_bad")
+            log.warning("map %d:%d: %s", delta.epoch, delta.seq, error)
+            return
+        older = [seq for seq in self._waiting if delta.full and seq < delta.frame_seq]
+        self._mapped.extend((*older, delta.frame_seq))
+
+    def _wait(self, frame: Frame) -> None:
+        """Keep ``frame`` until the map holds it; acknowledge one that was looked at before."""
+        if (frame.seq, frame.stamp_ns) in self._observed:
+            self._publish_changes(always=True)
+            return
+        self._waiting[frame.seq] = frame
+        if len(self._waiting) > self._params.waiting:
+            oldest = next(iter(self._waiting))
+            del self._waiting[oldest]
+            self._bus.count("frames_unmatched")
+            log.warning("frame %d: skipped, the map has not taken it in", oldest)
+
+    def _join(self) -> None:
+        for seq in sorted(self._waiting.keys() & set(self._mapped)):
+            self._observe(self._waiting.pop(seq))
+
+    def _observe(self, message: Frame) -> None:
+        try:
+            self._selector.see(frame_from_message(message))
+        except DecodeError as error:
+            self._bus.count("frames_bad")
+            log.warning("frame %d: skipped, %s", message.seq, error)
+            return
+        self._observed.append((message.seq, message.stamp_ns))
+        self._bus.count("frames_observed")
+        self._publish_changes(always=True)
+
+    def _publish_changes(self, always: bool = False) -> None:
+        changed = [view_set_message(view_set) for view_set in self._selector.changes()]
+        if not (changed or always):
+            return
+        seq, stamp_ns = self._observed[-1] if self._observed else (-1, 0)
+        delta = self._journal.write(
+            changed,
+            frame_seq=seq,
+            stamp_ns=stamp_ns,
+            map_epoch=self._map.epoch or 0,
+            map_seq=self._map.seq,
+        )
+        self._bus.publish(VIEW_DELTA, delta, scene=self._context.scene)
+        self._report()
+
+    def _report(self) -> None:
+        archive = self._selector.archive
+        self._bus.report(
+            instances_with_views=len(self._selector.view_sets()),
+            keyframes=len(archive),
+            keyframes_dropped_unused=archive.dropped_unused,
+            keyframes_dropped_used=archive.dropped_used,
+        )
+
+    def _answer_image(self, request: Request) -> Reply | None:
+        return answer_image(request, self._selector.image)

@@ -1,0 +1,90 @@
+"""An open-vocabulary encoder made of a classifier and a sentence encoder."""
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+
+import cv2
+import numpy as np
+
+from sceneq_core.arrays import Float32, UInt8
+from sceneq_core.encoding.colour import colour_shares, split_colours
+from sceneq_core.encoding.encoder import Crop
+from sceneq_core.encoding.joint import DIM, image_vector, text_vector
+
+Classify = Callable[[Float32], tuple[Float32, Float32]]
+"""(1, 3, side, side) scaled image -> logits (1000,), pooled feature (F,)."""
+Embed = Callable[[str], Float32]
+"""Text -> sentence vector, length 1."""
+
+BACKGROUND_GREY = 127
+BACKGROUND_KEPT = 0.5
+"""Half-faded surroundings keep context, and still tell which of two objects is meant."""
+
+
+class Conse:
+    """Both towers of the joint space of ``sceneq_core.encoding.joint``.
+
+    One crop and one text at a time: quantised models may round a batch differently than its
+    parts, and a descriptor must not depend on what it was computed beside.
+    """
+
+    def __init__(
+        self,
+        classify: Classify,
+        embed: Embed,
+        class_vectors: Callable[[], Float32],
+        prior: Float32,
+        side_px: int,
+        text_cache: int,
+    ) -> None:
+        self._classify = classify
+        self._embed = embed
+        self._class_vectors = class_vectors
+        self._prior = prior
+        self._side_px = side_px
+        self._text = lru_cache(maxsize=text_cache)(self._encode_text)
+
+    def encode_crops(self, crops: Sequence[Crop]) -> tuple[Float32, Float32]:
+        """Return descriptors (N, 1012), L2-normalised, and the classifier's features (N, F)."""
+        pairs = [self._encode_crop(crop) for crop in crops]
+        if not pairs:
+            return np.zeros((0, DIM), np.float32), np.zeros((0, 0), np.float32)
+        descriptors, features = zip(*pairs, strict=True)
+        return np.stack(descriptors), np.stack(features)
+
+    def encode_texts(self, texts: Sequence[str]) -> Float32:
+        """Return (N, 1012), L2-normalised."""
+        if not texts:
+            return np.zeros((0, DIM), np.float32)
+        return np.stack([self._text(text) for text in texts])
+
+    def _encode_crop(self, crop: Crop) -> tuple[Float32, Float32]:
+        logits, feature = self._classify(classifier_input(crop, self._side_px))
+        return image_vector(logits, self._prior, colour_shares(crop.rgb, crop.mask)), feature
+
+    def _encode_text(self, text: str) -> Float32:
+        rest, colours = split_colours(text)
+        similarity = self._class_vectors() @ self._embed(rest) if rest else None
+        return text_vector(similarity, colours)
+
+
+def classifier_input(crop: Crop, side_px: int) -> Float32:
+    """Return the crop as (1, 3, side, side) float32, scaled (x - 127) / 128, background faded."""
+    faded = _fade_background(crop)
+    shrinks = max(faded.shape[:2]) > side_px
+    square = cv2.resize(
+        faded,
+        (side_px, side_px),
+        interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_CUBIC,
+    )
+    scaled = (square.astype(np.float32) - 127.0) / 128.0
+    return np.ascontiguousarray(scaled.transpose(2, 0, 1)[None])
+
+
+def _fade_background(crop: Crop) -> UInt8:
+    """Move pixels off the mask half the way to grey; an empty mask counts as a full one."""
+    if not crop.mask.any():
+        return crop.rgb
+    grey = BACKGROUND_GREY * (1 - BACKGROUND_KEPT)
+    faded = (crop.rgb * BACKGROUND_KEPT + grey).astype(np.uint8)
+    return np.where(crop.mask[..., None], crop.rgb, faded)

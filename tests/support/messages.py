@@ -1,0 +1,124 @@
+"""One example of every message, the same bytes on every machine; and what equal messages are."""
+
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+from sceneq_schemas.feature import Descriptor, FeatureDelta
+from sceneq_schemas.frame import Frame, ImageData, Pose
+from sceneq_schemas.map import Instance, MapDelta
+from sceneq_schemas.mask import Masks
+from sceneq_schemas.view import View, ViewDelta, ViewSet
+
+T_WORLD_CAMERA = np.array(
+    [[0.0, -1.0, 0.0, 1.5], [1.0, 0.0, 0.0, -0.25], [0.0, 0.0, 1.0, 2.0], [0.0, 0.0, 0.0, 1.0]]
+)
+K = np.array([[525.0, 0.0, 1.5], [0.0, 525.0, 1.0], [0.0, 0.0, 1.0]])
+
+
+def ramp(dtype: str, *shape: int) -> Any:
+    return np.arange(np.prod(shape, dtype=int)).astype(dtype).reshape(shape)
+
+
+EXAMPLES = (
+    Frame(
+        seq=7,
+        stamp_ns=1_700_000_000_000_000_000,
+        rgb=ImageData("raw", "|u1", (2, 3, 3), bytes(range(18))),
+        depth_mm=ImageData("raw", "<u2", (2, 3), bytes(range(12))),
+        K=K,
+        T_world_camera=T_WORLD_CAMERA,
+    ),
+    Pose(seq=8, stamp_ns=-5, T_world_camera=T_WORLD_CAMERA, source="given", keyframe=True),
+    Masks(seq=7, stamp_ns=1_000, label_image=ramp("<u2", 3, 4)),
+    MapDelta(
+        epoch=1_700_000_000,
+        seq=2,
+        full=False,
+        frame_seq=7,
+        stamp_ns=1_000,
+        voxel_size_m=0.02,
+        up_world=np.array([0.0, 0.0, 1.0]),
+        voxel_id=ramp("<i4", 4),
+        voxel_coord=ramp("<i4", 4, 3) - 5,
+        points_world=ramp("<f4", 4, 3) / 8,
+        rgb=ramp("|u1", 4, 3),
+        superpoint_id=ramp("<i4", 4) - 1,
+        removed_voxel_id=ramp("<i4", 2),
+        instances=(
+            Instance(
+                instance_id=3,
+                state="active",
+                merged_into=0,
+                parent=1,
+                superpoint_id=ramp("<i4", 2),
+                voxel_count=4,
+                centre_world=np.array([0.5, 0.25, -1.0]),
+                aabb_world=ramp("<f8", 2, 3),
+                T_world_box=T_WORLD_CAMERA,
+                box_size_m=np.array([0.5, 0.25, 0.125]),
+                first_seen_ns=10,
+                last_seen_ns=1_000,
+            ),
+        ),
+    ),
+    ViewDelta(
+        epoch=1,
+        seq=4,
+        full=True,
+        frame_seq=7,
+        stamp_ns=1_000,
+        map_epoch=1_700_000_000,
+        map_seq=2,
+        view_sets=(
+            ViewSet(
+                instance_id=3,
+                views=(
+                    View(
+                        seq=7,
+                        stamp_ns=1_000,
+                        visible_px=40,
+                        box_xyxy=np.array([1.0, 2.0, 9.0, 5.0], np.float32),
+                        mask_shape=(3, 8),
+                        mask_bits=b"\xff\x81\xff",
+                    ),
+                ),
+            ),
+            ViewSet(instance_id=4, views=()),
+        ),
+    ),
+    FeatureDelta(
+        epoch=1,
+        seq=5,
+        full=False,
+        frame_seq=7,
+        stamp_ns=1_000,
+        model_id="hash-v1",
+        descriptors=(
+            Descriptor(
+                instance_id=3,
+                view_seq=np.array([7], np.int64),
+                descriptor=np.array([0.6, 0.8], np.float32),
+                feature=ramp("<f4", 3),
+            ),
+        ),
+        removed=np.array([4], np.int32),
+    ),
+)
+
+
+def same(one: Any, other: Any) -> bool:
+    """Tell whether two messages are equal, bit by bit in their arrays."""
+    if isinstance(one, np.ndarray):
+        return one.shape == other.shape and one.dtype == other.dtype and _bits(one) == _bits(other)
+    if is_dataclass(one):
+        return type(one) is type(other) and all(
+            same(getattr(one, f.name), getattr(other, f.name)) for f in fields(one)
+        )
+    if isinstance(one, tuple):
+        return len(one) == len(other) and all(map(same, one, other))
+    return bool(one == other) or (one != one and other != other)
+
+
+def _bits(array: Any) -> bytes:
+    return np.ascontiguousarray(array).tobytes()

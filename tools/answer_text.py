@@ -1,0 +1,73 @@
+"""Answers in words and columns; every field may be missing, as in answers of other versions."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+Answer = Mapping[str, Any]
+COLUMNS = ("id", "label", "p", "cosine", "centre m", "size m", "seen in")
+NONE = "-"
+
+
+def headline(answer: Answer) -> str:
+    """Return ``found: 'red mug' (fast)`` and the like."""
+    question = answer.get("question")
+    about = f": {question!r}" if question else ""
+    route, reason = answer.get("route"), answer.get("reason")
+    way = f" by the {route} route" if route else ""
+    return f"{answer.get('status', 'answer')}{about}{way}" + (f" ({reason})" if reason else "")
+
+
+def rows(answer: Answer) -> list[tuple[str, ...]]:
+    """Return one row of ``COLUMNS`` for each instance."""
+    return [_row(instance) for instance in answer.get("instances", ())]
+
+
+def footnotes(answer: Answer) -> list[str]:
+    """Return confidence, cost and the map that was used, each on a line."""
+    confidence, revision = answer.get("confidence") or {}, answer.get("map") or {}
+    stages = (answer.get("cost") or {}).get("ms") or {}
+    notes = {
+        "confidence": _pairs(confidence),
+        "map": _pairs(revision),
+        "ms": _pairs({"total": answer.get("took_ms"), **stages}),
+    }
+    return [f"{name}: {text}" for name, text in notes.items() if text]
+
+
+def as_text(answer: Answer) -> str:
+    """Return an answer as aligned plain text."""
+    table = [COLUMNS, *rows(answer)] if answer.get("instances") else []
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    lines = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in table
+    ]
+    return "\n".join([headline(answer), *(f"  {line}" for line in lines), *footnotes(answer)])
+
+
+def _row(instance: Answer) -> tuple[str, ...]:
+    box = instance.get("box_oriented") or {}
+    seen = [str(view.get("seq")) for view in instance.get("views") or ()]
+    return (
+        str(instance.get("id", NONE)),
+        str(instance.get("label", NONE)),
+        _number(instance.get("p")),
+        _number(instance.get("cosine")),
+        _numbers(instance.get("centre")),
+        _numbers(box.get("size")),
+        " ".join(seen) or NONE,
+    )
+
+
+def _numbers(values: Sequence[float] | None) -> str:
+    return " ".join(f"{value:.2f}" for value in values) if values else NONE
+
+
+def _number(value: Any) -> str:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return NONE if value is None else str(value)
+    return str(value) if isinstance(value, int) else f"{value:.3g}"
+
+
+def _pairs(values: Mapping[str, Any]) -> str:
+    return "  ".join(f"{k} {_number(v)}" for k, v in values.items() if v is not None)

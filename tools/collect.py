@@ -1,0 +1,51 @@
+"""Everything a scene holds, gathered through its queryables."""
+
+import json
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from sceneq_core.mapping.replica import MapReplica
+from sceneq_nodes._bus import Reply
+from sceneq_nodes._convert import map_delta_from_message
+from sceneq_nodes._wire import from_bytes
+from sceneq_schemas.topics import MAP_SNAPSHOT, QUERY_INSTANCES, QUERY_LABELS, Topic
+from sceneq_tools.errors import UserError
+from sceneq_tools.scene_files import SceneFiles
+
+PAGE = 200
+
+Get = Callable[[Topic, Mapping[str, Any]], Reply | None]
+"""Asks one queryable of the scene with parameters; ``None`` = nobody answers."""
+
+
+def collect(get: Get, scene: str) -> SceneFiles:
+    """Return the scene as it is now.
+
+    Raises:
+        UserError: mapping or routing does not answer.
+        DecodeError: the map is not one of ours.
+    """
+    replica = MapReplica()
+    message = from_bytes(MAP_SNAPSHOT, _need(get, MAP_SNAPSHOT, {}, scene).payload)
+    replica.apply(map_delta_from_message(message))
+    labels = json.loads(_need(get, QUERY_LABELS, {}, scene).payload)
+    return SceneFiles(scene, labels["label_set"], replica, _listed(get, scene))
+
+
+def _listed(get: Get, scene: str) -> tuple[Mapping[str, Any], ...]:
+    listed: list[Mapping[str, Any]] = []
+    while True:
+        after = listed[-1]["id"] if listed else 0
+        reply = _need(get, QUERY_INSTANCES, {"k": PAGE, "after": after}, scene)
+        page = json.loads(reply.payload)["instances"]
+        if not page:
+            return tuple(listed)
+        listed += page
+
+
+def _need(get: Get, topic: Topic, parameters: Mapping[str, Any], scene: str) -> Reply:
+    reply = get(topic, parameters)
+    if reply is None:
+        key = topic.key(scene=scene)
+        raise UserError(f"nobody answers {key} (is {topic.writer} running? see: sceneq status)")
+    return reply
