@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from sceneq_schemas.topics import VIEW_IMAGE
 
 from sceneq_core.arrays import Float64
 from sceneq_core.routing.answer import Answer, Match, Naming
 from sceneq_core.routing.gate import Confidence
 from sceneq_core.routing.scene import Revision, SceneInstance, ViewRef
+from sceneq_schemas.topics import VIEW_IMAGE
 
 Json = dict[str, Any]
 

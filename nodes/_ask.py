@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import msgpack
+
 from sceneq_nodes._bus import QueryError, Reply, Request
 from sceneq_nodes._wire import json_bytes
 

@@ -22,13 +22,13 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
-from sceneq_nodes import _classifier_onnx as classifier
-from sceneq_nodes._sentence import SentenceTower
 
 from sceneq_core.arrays import Float32
 from sceneq_core.encoding.conse import classifier_input
 from sceneq_core.encoding.dead_leaves import dead_leaves
 from sceneq_core.encoding.encoder import Crop
+from sceneq_nodes import _classifier_onnx as classifier
+from sceneq_nodes._sentence import SentenceTower
 
 log = logging.getLogger(__name__)
 

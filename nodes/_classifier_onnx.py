@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from sceneq_core.arrays import Array, Float32
 
 INPUT, LOGITS, FEATURE = "image", "logits", "feature"

@@ -1,19 +1,21 @@
 """The embedded default encoder: weights from installed packages, ONNX Runtime, no download."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from threading import RLock
 from typing import Any, ClassVar
 
 import numpy as np
-from sceneq_nodes._assets import Assets, assets
-from sceneq_nodes._classifier_onnx import FEATURE, INPUT, LOGITS, SIDE_PX
-from sceneq_nodes._sentence import SentenceTower, session
 
 from sceneq_core.arrays import Float32
 from sceneq_core.encoding.conse import Conse
+from sceneq_core.encoding.encoder import Crop
 from sceneq_core.encoding.joint import DIM
 from sceneq_core.encoding.prior import indoor_prior
+from sceneq_nodes._assets import Assets, assets
+from sceneq_nodes._classifier_onnx import FEATURE, INPUT, LOGITS, SIDE_PX
+from sceneq_nodes._sentence import SentenceTower, session
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,13 +32,13 @@ class ConseParams:
             raise ValueError(f"text_cache: must be at least 1, got {self.text_cache}")
 
 
-class ConseEncoder(Conse):
+class ConseEncoder:
     """``Conse`` on files. Each tower loads when it is first used: routing needs the text only."""
 
     Params: ClassVar[type] = ConseParams
 
     def __init__(self, params: ConseParams) -> None:
-        super().__init__(
+        self._conse = Conse(
             classify=self._run_classifier,
             embed=lambda text: self._sentence.embed(text),
             class_vectors=lambda: self._class_vectors,
@@ -46,9 +48,17 @@ class ConseEncoder(Conse):
         )
         self.model_id = "conse-lite2-minilm-v1"
         self.dim = DIM
-        self.temperature = 0.05
+        self.temperature = 0.033
         self._threads = params.threads
         self._loading = RLock()
+
+    def encode_crops(self, crops: Sequence[Crop]) -> tuple[Float32, Float32]:
+        """Return descriptors (N, 1012), L2-normalised, and the classifier's features (N, 1280)."""
+        return self._conse.encode_crops(crops)
+
+    def encode_texts(self, texts: Sequence[str]) -> Float32:
+        """Return (N, 1012), L2-normalised."""
+        return self._conse.encode_texts(texts)
 
     def _run_classifier(self, image: Float32) -> tuple[Float32, Float32]:
         logits, feature = self._classifier.run([LOGITS, FEATURE], {INPUT: image})

@@ -4,15 +4,15 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 import numpy as np
+
+from sceneq_core.arrays import Bool
+from sceneq_core.mapping.delta import Instance, MapDelta
+from sceneq_core.views.view import View, ViewSet
 from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.map import Instance as InstanceMessage
 from sceneq_schemas.map import MapDelta as MapDeltaMessage
 from sceneq_schemas.view import View as ViewMessage
 from sceneq_schemas.view import ViewSet as ViewSetMessage
-
-from sceneq_core.arrays import Bool
-from sceneq_core.mapping.delta import Instance, MapDelta
-from sceneq_core.views.view import View, ViewSet
 
 C = TypeVar("C")
 MAX_MASK_SIDE = 16_384

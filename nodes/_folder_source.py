@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import ClassVar, TypeVar
 
 import numpy as np
-from sceneq_nodes._camera_files import read_color_camera, read_intrinsics, read_stamps_ns
-from sceneq_nodes._frame_files import BadFileError, FrameFiles
-from sceneq_nodes._image_file import decode_depth_mm, decode_rgb
 
 from sceneq_core.arrays import Float64
 from sceneq_core.ingest.source import Camera, RawFrame, Skipped
+from sceneq_nodes._camera_files import read_color_camera, read_intrinsics, read_stamps_ns
+from sceneq_nodes._frame_files import BadFileError, FrameFiles
+from sceneq_nodes._image_file import decode_depth_mm, decode_rgb
 
 LOOKED_AT = 16
 """So many images say what size they have, so that one bad image is not the measure."""
@@ -58,7 +58,7 @@ class FolderSource:
         self._numbers = self._files.numbers[:: params.step]
         self._stamps_ns = read_stamps_ns(folder, self._files.numbers)
         self._loop = params.loop
-        self._has_poses = params.use_poses and self._files.has_poses
+        self.has_poses = params.use_poses and self._files.has_poses
         self.depth_camera = Camera(read_intrinsics(folder), self._usual_size("depth"))
         self.color_camera, self.T_color_depth = self._color_camera(folder)
 
@@ -78,7 +78,7 @@ class FolderSource:
         try:
             color = self._image(number, "color", self.color_camera.size)
             depth = self._image(number, "depth", self.depth_camera.size)
-            pose = self._files.pose(number) if self._has_poses else None
+            pose = self._files.pose(number) if self.has_poses else None
         except BadFileError as error:
             return Skipped(seq, str(error.path), error.reason)
         color_path, depth_path = (str(self._files.path(number, p)) for p in ("color", "depth"))

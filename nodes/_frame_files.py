@@ -4,10 +4,10 @@ import re
 from pathlib import Path
 
 import numpy as np
-from sceneq_nodes import _image_file
 
 from sceneq_core.arrays import Float64
 from sceneq_core.ingest.transforms import rigid_defect
+from sceneq_nodes import _image_file
 
 NAME = re.compile(r"frame-(\d+)\.(color\.jpe?g|color\.png|depth\.png|pose\.txt)")
 

@@ -6,6 +6,11 @@ from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from sceneq_core.reasoning.reasoner import Problem, Verdict
+from sceneq_core.routing.answer import Answer
+from sceneq_core.routing.question import Question
+from sceneq_core.routing.router import MAX_MATCHES, Routed, Router
+from sceneq_core.routing.scene import SceneSnapshot
 from sceneq_nodes._answer_json import (
     Json,
     Stamp,
@@ -16,12 +21,6 @@ from sceneq_nodes._answer_json import (
 )
 from sceneq_nodes._ask import DEFAULT_K, Ask, read_ask, reply
 from sceneq_nodes._bus import QueryError, Reply, Request
-
-from sceneq_core.reasoning.reasoner import Problem, Verdict
-from sceneq_core.routing.answer import Answer
-from sceneq_core.routing.question import Question
-from sceneq_core.routing.router import MAX_MATCHES, Routed, Router
-from sceneq_core.routing.scene import SceneSnapshot
 
 MAX_LISTED = 500
 LAST = 16

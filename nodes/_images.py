@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 import zstandard
-from sceneq_schemas.errors import DecodeError
-from sceneq_schemas.frame import Frame as FrameMessage
-from sceneq_schemas.frame import ImageData
 
 from sceneq_core.arrays import Array, Float32, Float64
 from sceneq_core.frame import Frame, depth_from_mm, depth_to_mm
 from sceneq_core.ingest.transforms import rigid_defect
 from sceneq_core.views.jpeg import jpeg_from_rgb, jpeg_size, rgb_from_jpeg
+from sceneq_schemas.errors import DecodeError
+from sceneq_schemas.frame import Frame as FrameMessage
+from sceneq_schemas.frame import ImageData
 
 ZSTD_LEVEL = 1
 MAX_SIDE_PX = 16_384

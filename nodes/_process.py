@@ -56,6 +56,7 @@ def run(node_class: type[Node], params: Any, launch: Launch) -> int:
     leave = contextlib.ExitStack()
     stop = Stop(leave=leave.close)
     stop.install()
+    log.info("connecting to %s", launch.endpoint)
     bus = ZenohBus(launch.context, launch.endpoint, counters)
     leave.callback(bus.close)
     health.beat(lambda: _publish_health(bus, health), stop.event)

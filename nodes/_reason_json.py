@@ -6,11 +6,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from sceneq_nodes._wire import json_bytes
-from sceneq_schemas.errors import DecodeError
 
 from sceneq_core.arrays import Float64
 from sceneq_core.reasoning.reasoner import Box, Candidate, Constraint, Problem, Verdict
+from sceneq_nodes._wire import json_bytes
+from sceneq_schemas.errors import DecodeError
 
 MAX_CANDIDATES = 256
 MAX_CONSTRAINTS = 8

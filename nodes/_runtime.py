@@ -13,6 +13,7 @@ from functools import partial
 from typing import Any
 
 import zenoh
+
 from sceneq_nodes._bus import Context, Handler, QueryError, Received, Reply, Request
 from sceneq_nodes._counters import Counters
 from sceneq_nodes._inbox import Inbox, Raw

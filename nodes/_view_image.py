@@ -3,10 +3,10 @@
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from sceneq_nodes._bus import QueryError, Reply, Request
 
 from sceneq_core.arrays import Float32
 from sceneq_core.views.jpeg import with_box
+from sceneq_nodes._bus import QueryError, Reply, Request
 
 HINT = "try ?seq=120 or ?seq=120;box=10,20,200,220"
 

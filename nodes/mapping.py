@@ -16,6 +16,7 @@ from collections import OrderedDict
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from sceneq_core.mapping.mapper import Mapper, MapperParams
 from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
 from sceneq_nodes._convert import map_delta_message
 from sceneq_nodes._images import frame_from_message
@@ -24,8 +25,6 @@ from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.frame import Frame as FrameMessage
 from sceneq_schemas.mask import Masks
 from sceneq_schemas.topics import FRAME, MAP_DELTA, MAP_SNAPSHOT, MASK
-
-from sceneq_core.mapping.mapper import Mapper, MapperParams
 
 log = logging.getLogger(__name__)
 

@@ -9,12 +9,11 @@ Bad     a problem that is not valid or not solvable is answered with ``bad_reque
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from sceneq_core.reasoning.reasoner import Reasoner
 from sceneq_nodes._backends import build
 from sceneq_nodes._bus import Bus, Context, QueryError, Received, Reply, Request
 from sceneq_nodes._reason_json import problem_from_bytes, verdict_bytes
 from sceneq_schemas.topics import REASON
-
-from sceneq_core.reasoning.reasoner import Reasoner
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,17 @@ Bad     instances, views and descriptors with impossible numbers are counted, lo
 import logging
 import math
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
+
+from sceneq_core.encoding.encoder import Encoder
+from sceneq_core.mapping.delta import Instance
+from sceneq_core.reasoning.reasoner import Problem, Verdict
+from sceneq_core.routing.labels import Labeller, custom, named
+from sceneq_core.routing.router import Router, RouterParams
+from sceneq_core.routing.scene import Revision, Scene, ViewRef
 from sceneq_nodes._answer_json import Json
 from sceneq_nodes._backends import build
 from sceneq_nodes._bus import Bus, Context, QueryError, Received
@@ -28,13 +35,6 @@ from sceneq_schemas.feature import FeatureDelta
 from sceneq_schemas.frame import Pose
 from sceneq_schemas.map import MapDelta
 from sceneq_schemas.view import ViewDelta
-
-from sceneq_core.encoding.encoder import Encoder
-from sceneq_core.mapping.delta import Instance
-from sceneq_core.reasoning.reasoner import Problem, Verdict
-from sceneq_core.routing.labels import Labeller, custom, named
-from sceneq_core.routing.router import Router, RouterParams
-from sceneq_core.routing.scene import Revision, Scene, ViewRef
 
 log = logging.getLogger(__name__)
 
@@ -160,6 +160,8 @@ class Routing:
         position_world = pose.T_world_camera[:3, 3]
         if np.isfinite(position_world).all():
             self._scene.move_viewpoint(position_world)
+            seen = replace(self._look.snapshot, viewpoint_world=position_world)
+            self._look = replace(self._look, snapshot=seen)
         else:
             self._refuse("poses_refused", f"pose of frame {pose.seq} is not finite")
 

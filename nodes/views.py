@@ -16,6 +16,9 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+from sceneq_core.views.archive import ArchiveParams
+from sceneq_core.views.choice import ChoiceParams
+from sceneq_core.views.selector import ViewParams, ViewSelector
 from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
 from sceneq_nodes._convert import map_delta_from_message, view_set_message
 from sceneq_nodes._follow import Follower
@@ -33,10 +36,6 @@ from sceneq_schemas.topics import (
     VIEW_IMAGE,
     VIEW_SNAPSHOT,
 )
-
-from sceneq_core.views.archive import ArchiveParams
-from sceneq_core.views.choice import ChoiceParams
-from sceneq_core.views.selector import ViewParams, ViewSelector
 
 log = logging.getLogger(__name__)
 

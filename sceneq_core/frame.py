@@ -35,4 +35,5 @@ def depth_from_mm(depth_mm: UInt16) -> Float32:
 
 def depth_to_mm(depth_m: Float32) -> UInt16:
     """Return whole millimetres; the exact inverse of ``depth_from_mm``."""
-    return np.rint(depth_m * np.float32(1000.0)).astype(np.uint16)
+    depth_mm: UInt16 = np.rint(depth_m * np.float32(1000.0)).astype(np.uint16)
+    return depth_mm

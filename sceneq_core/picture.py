@@ -77,7 +77,8 @@ def instance_colours(instance_id: Int32, rgb: UInt8) -> UInt8:
     flat = cv2.cvtColor(hsv[None], cv2.COLOR_HSV2RGB)[0].astype(np.float32)
     grey = rgb.mean(axis=1, keepdims=True)
     flat[instance_id == 0] = 190
-    return (flat * (0.6 + 0.4 * grey / 255)).astype(np.uint8)
+    colours: UInt8 = (flat * (0.6 + 0.4 * grey / 255)).astype(np.uint8)
+    return colours
 
 
 def draw_cloud(viewpoint: Viewpoint, points_world: Float32, rgb: UInt8, point_m: float) -> UInt8:

@@ -6,6 +6,7 @@ from typing import Any, TypeGuard
 
 import numpy as np
 import numpy.typing as npt
+
 from sceneq_schemas.errors import DecodeError
 
 Array = npt.NDArray[Any]

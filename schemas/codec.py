@@ -12,6 +12,7 @@ from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_typ
 
 import msgpack
 import numpy as np
+
 from sceneq_schemas.arrays import ArraySpec, brief, pack_array, unpack_array
 from sceneq_schemas.errors import DecodeError
 

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-COMMANDS = ("up", "ask", "status", "check", "map", "export", "schema")
+COMMANDS = ("up", "ask", "status", "check", "map", "export", "demo", "schema")
 USAGE = 2
 INTERRUPTED = 130
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
 from sceneq_tools.ask_command import DEFAULT_ENDPOINT, Endpoint
 
 if TYPE_CHECKING:

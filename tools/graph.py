@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
 from sceneq_nodes._params import did_you_mean
 from sceneq_schemas.topics import ID
 from sceneq_tools.graph_document import Document, KeyPath

@@ -1,8 +1,9 @@
 """Check every node of a graph against the class it names, without starting anything."""
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import is_dataclass
 from functools import partial
-from typing import Any
+from typing import Any, get_type_hints
 
 from sceneq_nodes._backends import BACKENDS, load
 from sceneq_nodes._backends import check as check_backend
@@ -39,29 +40,47 @@ def _params_errors(
     params_class: type[Any], params: Mapping[str, Any], path: KeyPath
 ) -> Iterator[ParamError]:
     """Yield every error, not just the first: a bad key is reported, then left out."""
-    backends = {k: v for k, v in params.items() if k in SEAMS and isinstance(v, Mapping)}
-    yield from _errors(partial(validate, params_class, path=path), params, path)
-    for seam, spec in backends.items():
-        here = (*path, seam)
-        yield from _errors(partial(check_backend, seam, path=here), spec, here)
+    told = set()
+    for name, value in params.items():
+        for error in _inner_errors(params_class, name, value, (*path, name)):
+            told.add(name)
+            yield error
+    rest = {name: value for name, value in params.items() if name not in told}
+    yield from _errors(partial(validate, params_class, path=path), rest, path, told)
+
+
+def _inner_errors(
+    params_class: type[Any], name: str, value: Any, path: KeyPath
+) -> Iterator[ParamError]:
+    """Yield the errors inside a backend's ``{kind: ...}`` or a group of parameters."""
+    if not isinstance(value, Mapping):
+        return
+    group = get_type_hints(params_class).get(name)
+    if name in SEAMS:
+        yield from _errors(partial(check_backend, name, path=path), value, path, set())
+    elif isinstance(group, type) and is_dataclass(group):
+        yield from _params_errors(group, value, path)
 
 
 def _errors(
-    validation: Callable[[Mapping[str, Any]], object], params: Mapping[str, Any], path: KeyPath
+    validation: Callable[[Mapping[str, Any]], object],
+    params: Mapping[str, Any],
+    path: KeyPath,
+    told: set[str],
 ) -> Iterator[ParamError]:
-    values, left_out = dict(params), set()
+    values, left_out = dict(params), set(told)
     while True:
         try:
             validation(values)
             return
         except ParamError as error:
-            key = error.path[len(path)] if len(error.path) > len(path) else None
+            key = str(error.path[len(path)]) if len(error.path) > len(path) else ""
             if key not in left_out:
                 yield error
             if key not in values:
                 return
             left_out.add(key)
-            del values[str(key)]
+            del values[key]
 
 
 def _problem(document: Document, error: ParamError) -> Problem:

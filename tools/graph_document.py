@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+
 from sceneq_tools.graph_problem import GraphError, Problem
 
 Key = str | int

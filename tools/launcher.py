@@ -23,6 +23,8 @@ from sceneq_tools.watchdog import Watchdog
 
 TICK_S = 0.2
 BAD_PARAMETERS = 2
+MAX_WARNINGS = 5
+"""Forwarded for each node and tick; the log has them all."""
 TROUBLE = re.compile(r"\b(WARNING|ERROR|CRITICAL)\b")
 
 
@@ -181,11 +183,14 @@ class Launcher:
 
     def _forward_warnings(self) -> None:
         for name, tail in self._tails.items():
-            for line in tail.new_lines():
-                if found := TROUBLE.search(line):
-                    tone = "warn" if found[1] == "WARNING" else "bad"
-                    words = line[found.start() :].replace(f" {name}: ", " ", 1)
-                    self._console.say(name, words, tone)
+            found = [(hit, line) for line in tail.new_lines() if (hit := TROUBLE.search(line))]
+            for hit, line in found[:MAX_WARNINGS]:
+                tone = "warn" if hit[1] == "WARNING" else "bad"
+                words = line[hit.start() :].replace(f" {name}: ", " ", 1)
+                self._console.say(name, words, tone)
+            if len(found) > MAX_WARNINGS:
+                more = len(found) - MAX_WARNINGS
+                self._console.say(name, f"and {more} more warnings in its log", "warn")
 
 
 def run_folder(scene: str) -> Path:

@@ -8,6 +8,7 @@ from typing import Any
 
 import cv2
 import numpy as np
+
 from sceneq_core.arrays import Float32, Float64, Int32, UInt8
 from sceneq_core.mapping.digest import map_digest
 from sceneq_core.mapping.replica import MapReplica
@@ -81,7 +82,7 @@ def _write_ply(path: Path, points_world: Float32, rgb: UInt8) -> None:
     cloud = open3d.geometry.PointCloud()
     cloud.points = open3d.utility.Vector3dVector(points_world.astype(np.float64))
     cloud.colors = open3d.utility.Vector3dVector(rgb / 255.0)
-    if not open3d.io.write_point_cloud(str(path), cloud):
+    if not open3d.io.write_point_cloud(path, cloud):
         raise OSError(f"{path}: the point cloud could not be written")
 
 

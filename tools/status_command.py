@@ -4,6 +4,7 @@ import json
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
 from sceneq_tools.ask_command import DEFAULT_ENDPOINT, Endpoint
 
 if TYPE_CHECKING:

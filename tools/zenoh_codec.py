@@ -9,6 +9,7 @@ from typing import Any
 
 import msgpack
 import numpy as np
+
 from sceneq_schemas.codec import decode as decode_message
 from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.topics import TOPICS, Topic

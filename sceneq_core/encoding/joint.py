@@ -21,7 +21,7 @@ CLASSES = 1000
 COLOURS = len(COLOUR_TERMS)
 DIM = CLASSES + 1 + COLOURS
 
-COLOUR_PART = 0.25
+COLOUR_PART = 0.2
 """Length of the colour part of an image vector of length 1. With the temperature of the conse
 encoder, softmax over the terms then follows the measured shares about as firmly as its square."""
 CLASS_SHARPNESS = 0.05

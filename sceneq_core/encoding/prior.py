@@ -37,9 +37,9 @@ _MEAN_LOGITS = (
     "uAe8UbdxuBa70rejtFu5IbsPntK6nrVquJO1j7R5tqG6RbhFthK0hrnyudG7HLv3t7m4/Lgguva5f7qKunC8L7o8vCu8"
     "obmSu/W5qy7aLTezVbvwt/euIC1ssME16zOiuHi3Y7MSui658bPxtba7cSbQuTy5yLYrttm2frhNtW2yX7BVvGUxETg="
 )
-"""1000 float16, mean 0. Measured with the classifier of the conse encoder on 638 crops of 75 objects
-in two rendered rooms, each label with the same weight; it helps as much in a real room that was
-not used for it (docs/adr/0003-embedded-encoder.md)."""
+"""1000 float16, mean 0. Measured with the classifier of the conse encoder on 638 crops of 75
+objects in two rendered rooms, each label with the same weight; it helps in a real room that was not
+used for it (docs/adr/0003-embedded-encoder.md)."""
 
 
 def indoor_prior() -> Float32:

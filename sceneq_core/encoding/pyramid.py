@@ -31,7 +31,8 @@ def pyramid(rgb: UInt8, view: View, levels: int, expand: float) -> list[Crop]:
     size = (rgb.shape[0], rgb.shape[1])
     mask = full_mask(view, size)
     boxes = [expanded(view.box_xyxy, level * expand, size) for level in range(levels)]
-    return [Crop(rgb[t:b, l:r], mask[t:b, l:r]) for l, t, r, b in boxes]
+    areas = [np.s_[top:bottom, left:right] for left, top, right, bottom in boxes]
+    return [Crop(rgb[area], mask[area]) for area in areas]
 
 
 def full_mask(view: View, size: tuple[int, int]) -> Bool:

@@ -34,39 +34,40 @@ class Ingestor:
     The node and ``sceneq map`` both feed their frames through this, so both maps see the same.
     """
 
-    def __init__(self, source: Source, odometry: Odometry, keyframes: KeyframePolicy) -> None:
+    def __init__(
+        self, source: Source, keyframes: KeyframePolicy, odometry: Odometry | None = None
+    ) -> None:
+        """Take the cameras of ``source``; raise ``ValueError`` when nothing gives it poses."""
+        if odometry is None and not source.has_poses:
+            raise ValueError(f"{source.name} has no poses: it needs an odometry")
         self._color_camera = source.color_camera
         self._depth_camera = source.depth_camera
         self._T_depth_color = inverse(source.T_color_depth)
         self._registration = DepthRegistration(
             source.depth_camera, source.color_camera, source.T_color_depth
         )
-        self._odometry = odometry
         self._keyframes = keyframes
+        self._odometry = odometry
+        self._pose_source = odometry.kind if odometry else GIVEN
 
     def ingest(self, raw: RawFrame) -> Ingested | Skipped:
         """Take the next frame; ``Skipped`` when its pose or a needed image is unusable."""
-        T_world_depth = self._depth_pose(raw)
+        T_world_depth = self._register(self._odometry, raw) if self._odometry else _given(raw)
         if isinstance(T_world_depth, Skipped):
             return T_world_depth
         T_world_camera = T_world_depth @ self._T_depth_color
         keyframe = self._keyframe(raw, T_world_camera)
         if isinstance(keyframe, Skipped):
             return keyframe
-        pose_source = self._odometry.kind if raw.T_world_camera is None else GIVEN
-        return Ingested(raw.seq, raw.stamp_ns, T_world_camera, pose_source, keyframe)
+        return Ingested(raw.seq, raw.stamp_ns, T_world_camera, self._pose_source, keyframe)
 
-    def _depth_pose(self, raw: RawFrame) -> Float64 | Skipped:
-        if raw.T_world_camera is not None:
-            # Pose files are rounded; what leaves here must stay rigid after a product.
-            return nearest_rigid(raw.T_world_camera)
+    def _register(self, odometry: Odometry, raw: RawFrame) -> Float64 | Skipped:
         depth_mm = raw.read_depth_mm()
         if isinstance(depth_mm, Skipped):
             return depth_mm
-        T_world_depth = self._odometry.register(depth_mm, self._depth_camera.K, raw.stamp_ns)
-        defect = "too little depth" if T_world_depth is None else rigid_defect(T_world_depth)
-        if T_world_depth is None or defect:
-            return Skipped(raw.seq, self._odometry.kind, f"no pose: {defect}")
+        T_world_depth = odometry.register(depth_mm, self._depth_camera.K, raw.stamp_ns)
+        if T_world_depth is None:
+            return Skipped(raw.seq, odometry.kind, "no pose: too little depth")
         return T_world_depth
 
     def _keyframe(self, raw: RawFrame, T_world_camera: Float64) -> Frame | Skipped | None:
@@ -86,3 +87,13 @@ class Ingestor:
             K=self._color_camera.K,
             T_world_camera=T_world_camera,
         )
+
+
+def _given(raw: RawFrame) -> Float64 | Skipped:
+    if raw.T_world_camera is None:
+        return Skipped(raw.seq, f"frame {raw.seq}", "no pose, in a source that promised them")
+    defect = rigid_defect(raw.T_world_camera)
+    if defect:
+        return Skipped(raw.seq, f"pose of frame {raw.seq}", defect)
+    # Recorded poses are rounded; what leaves here must stay rigid after a product.
+    return nearest_rigid(raw.T_world_camera)

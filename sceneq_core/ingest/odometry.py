@@ -6,6 +6,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from sceneq_core.arrays import Float64, UInt16
+from sceneq_core.ingest.transforms import nearest_rigid
 
 
 class Odometry(Protocol):
@@ -63,8 +64,8 @@ class KissIcpOdometry:
         if len(points) < self.params.min_points:
             return None
         self._icp.register_frame(points, timestamps=np.zeros(0))
-        T_world_camera: Float64 = np.array(self._icp.last_pose)
-        return T_world_camera
+        # A product of many rotations drifts away from being one.
+        return nearest_rigid(np.array(self._icp.last_pose))
 
 
 class _Rays:

@@ -34,7 +34,7 @@ class RawFrame:
         seq: number of the frame, growing.
         stamp_ns: capture time, nanoseconds.
         T_world_camera: (4, 4) pose of the DEPTH camera as the source gives it, metres, or ``None``
-            when the source has no poses (then none of its frames has one).
+            when the source has no poses.
         read_rgb: returns uint8 (H, W, 3) RGB in the colour camera.
         read_depth_mm: returns uint16 (H, W) millimetres in the depth camera, 0 = no measurement.
     """
@@ -50,13 +50,15 @@ class Source(Protocol):
     """An RGB-D stream.
 
     ``T_color_depth`` (4, 4) maps depth-camera to colour-camera coordinates; identity together
-    with equal cameras means the images are registered already.
+    with equal cameras means the images are registered already. ``has_poses``: every frame comes
+    with a pose, or else none does.
     """
 
     name: str
     color_camera: Camera
     depth_camera: Camera
     T_color_depth: Float64
+    has_poses: bool
 
     def frames(self) -> Iterator[RawFrame | Skipped]:
         """Yield the frames in capture order; a bad one as ``Skipped``, never as an exception."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sceneq_core.arrays import Bool, Float64, Int32, Int64
+from sceneq_core.arrays import Array, Bool, Float64, Int32, Int64
 from sceneq_core.mapping.evidence import NO_SEGMENT, Evidence, agreement
 from sceneq_core.mapping.growing import with_rows
 from sceneq_core.mapping.superpoints import SuperpointChange
@@ -223,7 +223,7 @@ class Association:
         self._free = sorted({*self._free, *empty.tolist()}, reverse=True)
 
 
-def _largest_of_each(key: Int64, size: Float64) -> Int64:
+def _largest_of_each(key: Int64, size: Array) -> Int64:
     """Return, per distinct key, the row of the largest size (the first one among equals)."""
     order = np.lexsort((-size, key))
     return order[np.unique(key[order], return_index=True)[1]]

@@ -32,7 +32,8 @@ def box_around(points_world: Float32, up_world: Float64) -> Box:
     level = R_world_level.T @ (columns - centre[:, None])
     # A stride over many points shrinks the rectangle by less than the spacing of the points.
     sample = level[:2, :: 1 + level.shape[1] // _RECTANGLE_POINTS].T
-    (middle_x, middle_y), (length, width), angle_deg = cv2.minAreaRect(np.ascontiguousarray(sample, np.float32))
+    rectangle = cv2.minAreaRect(np.ascontiguousarray(sample, np.float32))
+    (middle_x, middle_y), (length, width), angle_deg = rectangle
     if width > length:
         length, width, angle_deg = width, length, angle_deg + 90.0
     low, high = float(level[2].min()), float(level[2].max())

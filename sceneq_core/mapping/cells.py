@@ -1,4 +1,4 @@
-"""Cubes of 8 x 8 x 8 voxels: the unit in which the map looks for neighbours and for what it sees."""
+"""Cubes of 8 x 8 x 8 voxels: the unit in which the map finds neighbours and what is in view."""
 
 import numpy as np
 
@@ -49,4 +49,5 @@ class Cells:
 
     def centres_world(self, voxel_size_m: float) -> Float64:
         """Return the cell centres float64 (C, 3), metres."""
-        return (self._coord[: len(self)] + 0.5) * (CELL_SIDE * voxel_size_m)
+        centres: Float64 = (self._coord[: len(self)] + 0.5) * (CELL_SIDE * voxel_size_m)
+        return centres

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sceneq_core.arrays import Array, Bool, Float64, Int32, Int64
+from sceneq_core.arrays import Bool, Float64, Int32, Int64
 from sceneq_core.mapping.growing import with_rows
 
 NO_SEGMENT = -1
@@ -65,12 +65,11 @@ class Evidence:
         member, slot = np.nonzero(source._segment[source_row] != NO_SEGMENT)
         keyframe = source._keyframe[source_row[member], slot]
         segment = source._segment[source_row[member], slot]
-        vote = (of[member], slot, keyframe, segment)
-        order, count = _runs(vote)
-        vote = tuple(column[order] for column in vote)
-        best = np.lexsort((-vote[3], count, vote[2], vote[1], vote[0]))
-        target, slot, keyframe, segment = (column[best] for column in vote)
-        last = _last_of_each(target * np.int64(self._views) + slot)
+        votes = np.stack((of[member], slot, keyframe, segment)).astype(np.int64)
+        votes, count = _distinct_columns(votes)
+        order = np.lexsort((-votes[3], count, votes[2], votes[1], votes[0]))
+        target, slot, keyframe, segment = votes[:, order]
+        last = _last_of_each(target * self._views + slot)
         self.forget(row)
         self._keyframe[row[target[last]], slot[last]] = keyframe[last]
         self._segment[row[target[last]], slot[last]] = segment[last]
@@ -82,14 +81,13 @@ class Evidence:
         self._segment[row, newer] = self._segment[other_row, newer]
 
 
-def _runs(columns: tuple[Array, ...]) -> tuple[Int64, Int64]:
-    """Return one row index per distinct row of ``columns`` and how often it occurs."""
-    order = np.lexsort(columns)
-    changed = np.ones(len(order), np.bool_)
-    if len(order):
-        changed[1:] = np.any([c[order][1:] != c[order][:-1] for c in columns], axis=0)
+def _distinct_columns(table: Int64) -> tuple[Int64, Int64]:
+    """Return the distinct columns of ``table`` (R, N) and how often each occurs."""
+    table = table[:, np.lexsort(table)]
+    changed = np.ones(table.shape[1], np.bool_)
+    changed[1:] = (table[:, 1:] != table[:, :-1]).any(axis=0)
     start = np.flatnonzero(changed)
-    return order[start], np.diff(np.append(start, len(order)))
+    return table[:, start], np.diff(np.append(start, table.shape[1]))
 
 
 def _last_of_each(key: Int64) -> Bool:

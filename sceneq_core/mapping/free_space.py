@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import Float32, Float64, Int32
+from sceneq_core.arrays import Float64, Int32
 from sceneq_core.frame import Frame
 from sceneq_core.mapping.cells import CELL_SIDE
 from sceneq_core.mapping.growing import marked
@@ -50,9 +50,10 @@ def clear_free_space(
     return gone
 
 
-def _to_camera(points_world: Float32 | Float64, frame: Frame) -> Float64:
+def _to_camera(points_world: Float64, frame: Frame) -> Float64:
     rotation, translation = frame.T_world_camera[:3, :3], frame.T_world_camera[:3, 3]
-    return points_world @ rotation - translation @ rotation
+    points_camera: Float64 = points_world @ rotation - translation @ rotation
+    return points_camera
 
 
 def _cells_in_view(voxels: Voxels, frame: Frame, params: FreeSpaceParams) -> Int32:
@@ -72,7 +73,7 @@ def _cells_in_view(voxels: Voxels, frame: Frame, params: FreeSpaceParams) -> Int
     return np.flatnonzero(visible).astype(np.int32)
 
 
-def _seen_through(points_world: Float32, frame: Frame, params: FreeSpaceParams) -> Int32:
+def _seen_through(points_world: Float64, frame: Frame, params: FreeSpaceParams) -> Int32:
     """Return the rows whose pixel measures, with all its neighbours, a surface far behind."""
     # The nearest depth around a pixel: at silhouettes and holes (0) nothing is called free.
     nearest_m = cv2.erode(frame.depth_m, np.ones((3, 3), np.uint8))
@@ -87,4 +88,5 @@ def _seen_through(points_world: Float32, frame: Frame, params: FreeSpaceParams) 
     row, z = row[inside], z[inside]
     measured = nearest_m[row_px[inside].astype(np.intp), column_px[inside].astype(np.intp)]
     through = measured > z + params.margin_m + params.noise_per_m * z * z
-    return row[through].astype(np.int32)
+    seen: Int32 = row[through].astype(np.int32)
+    return seen

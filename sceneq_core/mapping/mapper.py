@@ -75,9 +75,7 @@ class Mapper:
         surface = measure_surface(frame, self._params.surface)
         known = len(self._voxels)
         touched = self._voxels.integrate(surface)
-        cleared = clear_free_space(
-            self._voxels, frame, touched.voxel_id, self._params.free_space
-        )
+        cleared = clear_free_space(self._voxels, frame, touched.voxel_id, self._params.free_space)
         self._gravity.add(self._new_normals(known), frame.T_world_camera)
         renewed, change = self._superpoints.update(
             self._voxels, touched.voxel_id, cleared, self._keyframes
@@ -145,8 +143,6 @@ def _union(first_id: Int32, second_id: Int32, count: int) -> Int32:
 
 def _check(frame: Frame, label_image: UInt16) -> None:
     if label_image.shape != frame.depth_m.shape:
-        raise ValueError(
-            f"label_image: expected {frame.depth_m.shape}, got {label_image.shape}"
-        )
+        raise ValueError(f"label_image: expected {frame.depth_m.shape}, got {label_image.shape}")
     if not np.isfinite(frame.T_world_camera).all():
         raise ValueError(f"T_world_camera: not finite in frame {frame.seq}")

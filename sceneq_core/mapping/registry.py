@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from sceneq_core.arrays import Float32, Float64, Int32
 from sceneq_core.mapping.association import GroupChange
 from sceneq_core.mapping.boxes import box_around
@@ -118,9 +116,7 @@ class Registry:
             return {life.instance_id: replace(last, state="removed")}
         return self._describe(life, members, up_world) if active else {}
 
-    def _describe(
-        self, life: _Life, members: Members, up_world: Float64
-    ) -> dict[int, Instance]:
+    def _describe(self, life: _Life, members: Members, up_world: Float64) -> dict[int, Instance]:
         if not life.instance_id:
             life.instance_id = self._next_id
             self._next_id += 1

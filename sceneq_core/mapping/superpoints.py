@@ -131,9 +131,7 @@ def _join_small(part: Int32, edges: Int64, cost: Float32, min_voxels: int) -> In
     return joined[part]
 
 
-def _cheapest_target(
-    source: Int64, target: Int64, cost: Float32, small: Bool, count: int
-) -> Int64:
+def _cheapest_target(source: Int64, target: Int64, cost: Float32, small: Bool, count: int) -> Int64:
     leaving = small[source]
     pair, row = np.unique(source[leaving] * count + target[leaving], return_inverse=True)
     mean = np.bincount(row, cost[leaving]) / np.bincount(row)

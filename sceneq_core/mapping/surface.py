@@ -66,7 +66,8 @@ def measure_surface(frame: Frame, params: SurfaceParams) -> Surface:
     x, y = _ray_grid(frame, stride)
     valid = (depth_m > params.min_depth_m) & (depth_m < params.max_depth_m)
     filled, mean = _smoothed_inverse(depth_m, valid, params.normal_radius_px)
-    normals, cosine = _normals(filled, mean, x, y, params.normal_radius_px)
+    step = (stride / frame.K[0, 0], stride / frame.K[1, 1])
+    normals, cosine = _normals(filled, mean, x, y, step, params.normal_radius_px)
     keep = valid & (cosine > params.min_cosine) & ~_mixed(depth_m, params.max_jump_per_m)
     row, column = np.nonzero(keep)
     z = _smoothed(depth_m[keep], mean[keep], params.max_smooth_per_m)
@@ -116,20 +117,20 @@ def _smoothed(depth_m: Float32, mean_inverse: Float32, max_smooth_per_m: float) 
 
 
 def _normals(
-    filled: Float32, mean: Float32, x: Float64, y: Float64, radius: int
+    filled: Float32, mean: Float32, x: Float64, y: Float64, step: tuple[float, float], radius: int
 ) -> tuple[Float32, Float32]:
     """Return unit normals (H, W, 3) towards the camera and the cosine to the viewing ray (H, W).
 
     The inverse depth of a plane is linear in the pixel, so its least-squares slope in a window is
-    the normal up to scale.
+    the normal up to scale. ``step`` is the distance between pixels in ``x`` and in ``y``.
     """
     ramp = np.arange(-radius, radius + 1, dtype=np.float32)
     ramp /= (ramp**2).sum()
     box = np.full(2 * radius + 1, 1.0 / (2 * radius + 1), np.float32)
-    slope_x = cv2.sepFilter2D(filled, -1, ramp, box) / np.float32(x[1] - x[0])
-    slope_y = cv2.sepFilter2D(filled, -1, box, ramp) / np.float32(y[1] - y[0])
+    slope_x = cv2.sepFilter2D(filled, -1, ramp, box) / np.float32(step[0])
+    slope_y = cv2.sepFilter2D(filled, -1, box, ramp) / np.float32(step[1])
     x32, y32 = x.astype(np.float32)[None, :], y.astype(np.float32)[:, None]
     normal = np.stack((slope_x, slope_y, mean - x32 * slope_x - y32 * slope_y), axis=2)
     length = np.maximum(np.sqrt((normal**2).sum(axis=2)), np.float32(1e-9))
-    ray_length = np.sqrt(1.0 + x32**2 + y32**2)
+    ray_length = np.sqrt(np.float32(1.0) + x32**2 + y32**2)
     return -normal / length[:, :, None], mean / (length * ray_length)

@@ -43,7 +43,8 @@ class Voxels:
     def integrate(self, surface: Surface) -> Touched:
         """Add every point of ``surface`` to its voxel."""
         coord = np.floor(surface.points_world / self.voxel_size_m).astype(np.int32)
-        key, of_point = np.unique(pack_coord(coord), return_inverse=True)
+        key, inverse = np.unique(pack_coord(coord), return_inverse=True)
+        of_point = inverse.astype(np.int32)
         voxel_id = self._enter(unpack_coord(key))
         weight, count = surface.weight, len(key)
         self._weight[voxel_id] += np.bincount(of_point, weight, count)
@@ -51,7 +52,7 @@ class Voxels:
         self._normal_sum[voxel_id] += _sums(surface.normals_world, weight, of_point, count)
         self._colour_sum[voxel_id] += _sums(surface.rgb, weight, of_point, count)
         self.misses[voxel_id] = 0
-        return Touched(voxel_id, of_point.astype(np.int32))
+        return Touched(voxel_id, of_point)
 
     def clear(self, voxel_id: Int32) -> None:
         """Forget what these voxels hold: the space is free."""
@@ -69,17 +70,20 @@ class Voxels:
 
     def centres_world(self, voxel_id: Int32) -> Float64:
         """Return the centres of the cubes float64 (M, 3), metres."""
-        return (self._coord[voxel_id] + 0.5) * self.voxel_size_m
+        centres: Float64 = (self._coord[voxel_id] + 0.5) * self.voxel_size_m
+        return centres
 
     def points_world(self, voxel_id: Int32) -> Float64:
         """Return mean positions float64 (M, 3), metres."""
-        return self._position_sum[voxel_id] / self._weight[voxel_id, None]
+        mean: Float64 = self._position_sum[voxel_id] / self._weight[voxel_id, None]
+        return mean
 
     def normals_world(self, voxel_id: Int32) -> Float64:
         """Return unit normals float64 (M, 3); zero where views from both sides cancel out."""
         total = self._normal_sum[voxel_id]
         length = np.sqrt((total**2).sum(axis=1, keepdims=True))
-        return np.divide(total, length, out=np.zeros_like(total), where=length > 0)
+        unit: Float64 = np.divide(total, length, out=np.zeros_like(total), where=length > 0)
+        return unit
 
     def rgb(self, voxel_id: Int32) -> UInt8:
         """Return mean colours uint8 (M, 3)."""
@@ -90,7 +94,8 @@ class Voxels:
         return (self._mean_colour(voxel_id) / 255.0).astype(np.float32)
 
     def _mean_colour(self, voxel_id: Int32) -> Float64:
-        return self._colour_sum[voxel_id] / self._weight[voxel_id, None]
+        mean: Float64 = self._colour_sum[voxel_id] / self._weight[voxel_id, None]
+        return mean
 
     def _enter(self, coord: Int32) -> Int32:
         known = len(self)

@@ -11,9 +11,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from sceneq_core.arrays import Float32, Float64
+from sceneq_core.encoding.colour import COLOUR_TERMS
 from sceneq_core.routing.gate import log_softmax
-from sceneq_core.routing.question import Wanted
+from sceneq_core.routing.question import TextTower, Wanted
 from sceneq_core.routing.scene import SceneSnapshot
+
+VAGUE = ("object", "things", "stuff", "texture")
+"""Words for anything, which always compete: with a label set of one, p would else be 1 for all.
+
+J. Kerr et al., LERF, ICCV 2023, DOI 10.1109/ICCV51070.2023.01807, calls them canonical phrases.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,28 +53,36 @@ class Fit:
         return [int(row) for row in np.lexsort((-self.cosine, -self.likelihood))]
 
 
-def fit(
-    snapshot: SceneSnapshot, wanted: Wanted, colour_vectors: Float32, temperature: float
-) -> Fit:
-    """Compare words with every instance; colours count as independent of the noun.
+class Likelihood:
+    """Compares words with instances by softmax(s / T); colours count as independent of nouns."""
 
-    ``colour_vectors`` float32 (11, D) are the basic terms; softmax(s / T) uses ``temperature``.
-    """
-    noun = _noun_cosine(snapshot, wanted)
-    colour = (snapshot.descriptors @ colour_vectors.T).astype(np.float64)
-    rivals = snapshot.label_scores[:, wanted.rivals].astype(np.float64)
-    log_p = log_softmax(np.column_stack([noun, rivals]) / temperature)[:, 0]
-    asked = list(wanted.colours)
-    log_p = log_p + log_softmax(colour / temperature)[:, asked].sum(axis=1)
-    return Fit(
-        likelihood=np.exp(log_p),
-        cosine=np.column_stack([noun, colour[:, asked]]).mean(axis=1),
-        chance=1.0 / (1 + rivals.shape[1]) / len(colour_vectors) ** len(asked),
-    )
+    def __init__(self, tower: TextTower, temperature: float) -> None:
+        self._colour_vectors = tower.encode(COLOUR_TERMS)
+        self._vague_vectors = tower.encode(VAGUE)
+        self._temperature = temperature
+
+    def fit(self, snapshot: SceneSnapshot, wanted: Wanted) -> Fit:
+        """Return how well the words fit every instance."""
+        rivals = np.column_stack(
+            [snapshot.label_scores[:, wanted.rivals], snapshot.descriptors @ self._vague_vectors.T]
+        )
+        noun = _noun_cosine(snapshot, wanted)
+        colour = snapshot.descriptors @ self._colour_vectors.T
+        asked = list(wanted.colours)
+        log_p = self._log_p(np.column_stack([noun, rivals]))[:, 0]
+        log_p = log_p + self._log_p(colour)[:, asked].sum(axis=1)
+        return Fit(
+            likelihood=np.exp(log_p),
+            cosine=np.column_stack([noun, colour[:, asked]]).mean(axis=1).astype(np.float64),
+            chance=1.0 / (1 + rivals.shape[1]) / len(COLOUR_TERMS) ** len(asked),
+        )
+
+    def _log_p(self, cosine: Float32) -> Float64:
+        return log_softmax(cosine.astype(np.float64) / self._temperature)
 
 
-def _noun_cosine(snapshot: SceneSnapshot, wanted: Wanted) -> Float64:
+def _noun_cosine(snapshot: SceneSnapshot, wanted: Wanted) -> Float32:
     """Return the cosine (N,) with the noun; "anything" is equally close to all."""
     if wanted.vector is None:
-        return np.zeros(len(snapshot))
-    return (snapshot.descriptors @ wanted.vector).astype(np.float64)
+        return np.zeros(len(snapshot), np.float32)
+    return snapshot.descriptors @ wanted.vector

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sceneq_core.encoding.colour import COLOUR_TERMS
 from sceneq_core.encoding.encoder import Encoder
 from sceneq_core.reasoning.reasoner import Problem, Verdict
 from sceneq_core.routing.answer import (
@@ -23,7 +22,7 @@ from sceneq_core.routing.candidates import pose_problem
 from sceneq_core.routing.gate import Confidence
 from sceneq_core.routing.judge import Judge, JudgeParams, absence, hesitation
 from sceneq_core.routing.labels import Labeller
-from sceneq_core.routing.likelihood import Fit, fit
+from sceneq_core.routing.likelihood import Fit, Likelihood
 from sceneq_core.routing.question import Question, Reader, TextTower
 from sceneq_core.routing.scene import SceneSnapshot
 
@@ -77,7 +76,7 @@ class Router:
         self._temperature = encoder.temperature
         self._judge = Judge(params.judge)
         self._reader = Reader(tower, labeller, params.synonym_cosine)
-        self._colour_vectors = tower.encode(COLOUR_TERMS)
+        self._likelihood = Likelihood(tower, encoder.temperature)
 
     def read(self, text: str) -> Question:
         """Return the question in ``text``: the only step that runs the text tower.
@@ -154,7 +153,7 @@ class Router:
         )
 
     def _fit(self, snapshot: SceneSnapshot, question: Question, words: str) -> Fit:
-        return fit(snapshot, question.wanted[words], self._colour_vectors, self._temperature)
+        return self._likelihood.fit(snapshot, question.wanted[words])
 
     def _decide(
         self, question: Question, fits: Mapping[str, Fit], confidence: Confidence

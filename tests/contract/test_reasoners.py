@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from sceneq_nodes._backends import build, kinds
 
 from sceneq_core.reasoning.reasoner import Candidate, Constraint, Problem
+from sceneq_nodes._backends import build, kinds
 
 KINDS = sorted(kinds("reasoner"))
 

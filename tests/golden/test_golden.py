@@ -9,8 +9,10 @@ message gets a new VERSION, add its example to ``tests/support/messages.py`` and
 from pathlib import Path
 
 import pytest
+
 from sceneq_schemas.codec import decode, encode
 from sceneq_schemas.topics import TOPICS
+
 from support.messages import EXAMPLES, same
 
 FOLDER = Path(__file__).parent

@@ -9,9 +9,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+
 from sceneq_schemas.codec import decode, encode
 from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.topics import TOPICS
+
 from support.messages import same
 
 MESSAGES = sorted({t.message for t in TOPICS if t.message is not None}, key=lambda c: c.__name__)

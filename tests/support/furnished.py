@@ -6,6 +6,7 @@ noise. So tests choose how sure the encoder is (``noise``), and nothing has to b
 
 import zlib
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -46,12 +47,21 @@ ROOM = (
 )
 
 
+@dataclass(frozen=True, slots=True)
+class WordParams:
+    """No parameters."""
+
+
 class WordEncoder:
     """Words to directions, texts to the mean of their words'."""
 
+    Params = WordParams
     model_id = "words"
     dim = 256
     temperature = 0.1
+
+    def __init__(self, params: WordParams | None = None) -> None:
+        self.params = params or WordParams()
 
     def encode_crops(self, crops: Sequence[Crop]) -> tuple[np.ndarray, np.ndarray]:
         raise NotImplementedError("this encoder has no eyes")

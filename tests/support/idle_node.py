@@ -8,12 +8,21 @@ from sceneq_nodes._bus import Bus, Context, Received
 
 
 @dataclass(frozen=True, slots=True)
+class IdleLimits:
+    """A group of parameters."""
+
+    most: int = 3
+    least: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class IdleParams:
     """``fault``: '' | refuse (bad input at the start) | crash (a bug) | hang (in a step)."""
 
     fault: str = ""
     size_m: float = 1.0
     source: dict[str, Any] = field(default_factory=dict)
+    limits: IdleLimits = field(default_factory=IdleLimits)
 
 
 class Idle:

@@ -4,6 +4,7 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
+
 from sceneq_schemas.feature import Descriptor, FeatureDelta
 from sceneq_schemas.frame import Frame, ImageData, Pose
 from sceneq_schemas.map import Instance, MapDelta

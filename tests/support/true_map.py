@@ -4,11 +4,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from support.room import Room
 
 from sceneq_core.frame import Frame, depth_from_mm
 from sceneq_core.mapping.delta import Instance, MapDelta
 from sceneq_core.mapping.voxel_index import VoxelIndex
+
+from support.room import Room
 
 VOXEL_M = 0.03
 NO_IDS = np.zeros(0, np.int32)
@@ -102,9 +103,9 @@ class TrueMap:
     def _measured(self, frame: Frame, things: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         v, u = np.nonzero(frame.depth_m > 0)
         z = frame.depth_m[v, u].astype(np.float64)
-        K, T = frame.K, frame.T_world_camera
+        K, T_world_camera = frame.K, frame.T_world_camera
         points = np.stack([(u - K[0, 2]) / K[0, 0] * z, (v - K[1, 2]) / K[1, 1] * z, z], axis=1)
-        world = points @ T[:3, :3].T + T[:3, 3]
+        world = points @ T_world_camera[:3, :3].T + T_world_camera[:3, 3]
         return np.floor(world / VOXEL_M).astype(np.int32), things[v, u]
 
     def _delta(self, ids: list[int], full: bool) -> MapDelta:

@@ -8,6 +8,7 @@ from importlib.metadata import EntryPoint
 from typing import Any, ClassVar
 
 import pytest
+
 from sceneq_nodes import NODES, _backends
 from sceneq_nodes._backends import BACKENDS, build, check, kinds, load
 from sceneq_nodes._params import ParamError

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+
 from sceneq_nodes._bus import QueryError, Reply
 from sceneq_nodes._client import Client
 from sceneq_schemas.topics import HEALTH, TOPICS

@@ -6,10 +6,12 @@ from typing import Annotated, Any
 import msgpack
 import numpy as np
 import pytest
+
 from sceneq_schemas.arrays import Array, ArraySpec, brief, pack_array, unpack_array
 from sceneq_schemas.codec import MAX_LIST, MAX_TEXT, decode, encode
 from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.frame import ImageData, Pose
+
 from support.messages import EXAMPLES, T_WORLD_CAMERA, same
 
 POSE = next(m for m in EXAMPLES if isinstance(m, Pose))

@@ -7,6 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+
+from sceneq_core.mapping.delta import Instance as CoreInstance
+from sceneq_core.mapping.delta import MapDelta as CoreMapDelta
+from sceneq_core.views.view import View, ViewSet
 from sceneq_nodes._convert import (
     map_delta_from_message,
     map_delta_message,
@@ -17,11 +21,8 @@ from sceneq_schemas.codec import decode, encode
 from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.map import Instance, MapDelta
 from sceneq_schemas.view import ViewSet as ViewSetMessage
-from support.true_map import delta, instance, voxels
 
-from sceneq_core.mapping.delta import Instance as CoreInstance
-from sceneq_core.mapping.delta import MapDelta as CoreMapDelta
-from sceneq_core.views.view import View, ViewSet
+from support.true_map import delta, instance, voxels
 
 
 def test_both_sides_of_the_map_have_the_same_fields():

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from sceneq_nodes._bus import QueryError, Reply
 from sceneq_nodes._follow import RETRY_S, Follower
 from sceneq_schemas.codec import encode
 from sceneq_schemas.topics import VIEW_DELTA, VIEW_SNAPSHOT
 from sceneq_schemas.view import ViewDelta, ViewSet
+
 from support.fake_bus import FakeBus
 
 

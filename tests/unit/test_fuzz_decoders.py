@@ -7,26 +7,36 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import msgpack
 import numpy as np
 import pytest
-from sceneq_nodes._bus import QueryError
+
+from sceneq_core.frame import Frame
+from sceneq_core.reasoning.reasoner import Candidate, Constraint, Problem, Verdict
+from sceneq_nodes._ask import read_ask
+from sceneq_nodes._bus import QueryError, Request
 from sceneq_nodes._convert import map_delta_from_message, view_set_from_message
 from sceneq_nodes._images import array_from_image, frame_from_message, frame_message, image_data
 from sceneq_nodes._queries import error_bytes, error_from_bytes, parse_parameters
+from sceneq_nodes._reason_json import (
+    problem_bytes,
+    problem_from_bytes,
+    verdict_bytes,
+    verdict_from_bytes,
+)
 from sceneq_nodes._wire import from_bytes
 from sceneq_schemas.codec import decode, encode
 from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.frame import Frame as FrameMessage
 from sceneq_schemas.frame import ImageData
 from sceneq_schemas.map import MapDelta
-from sceneq_schemas.topics import HEALTH, TOPICS
+from sceneq_schemas.topics import HEALTH, QUERY_ASK, TOPICS
 from sceneq_schemas.view import ViewDelta
+
 from support.messages import EXAMPLES, T_WORLD_CAMERA, K
 
-from sceneq_core.frame import Frame
-
-MUTANTS = 1_250
-"""Per decoder; there are eight."""
+MUTANTS = 1_000
+"""Per decoder; there are eleven."""
 MEMORY_PER_BYTE = 16
 MEMORY_BYTES = 2 * 1024 * 1024
 HUGE = b"\xff\xff\xff\xff"
@@ -41,6 +51,7 @@ HEADERS = (
     b"\x28\xb5\x2f\xfd",
     b"\xff\xc0\x00\x11\x08\xff\xff\xff\xff\x03",
 )
+TEXTS = (b"[" * 2_000, b"9" * 400, b"-1e999", b"NaN", b"null", b'{"a":', b"\\ud800", b"\xff", b"]")
 Decoder = Callable[[bytes], object]
 
 
@@ -78,6 +89,18 @@ def decode_any_topic(data: bytes) -> None:
                 continue
 
 
+def decode_ask(data: bytes) -> None:
+    """A question as text, JSON and msgpack; what it refuses, it refuses as ``bad_request``."""
+    for encoding in ("", "application/json", "application/msgpack"):
+        ids = {"scene": "room"}
+        key = QUERY_ASK.key(**ids)
+        try:
+            read_ask(Request(QUERY_ASK, key, ids, False, {}, data, encoding))
+        except QueryError as error:
+            if error.code != "bad_request":
+                raise
+
+
 def decode_query(data: bytes) -> None:
     """These two take anything: what is no error of ours is an unknown one."""
     assert isinstance(error_from_bytes(data), QueryError)
@@ -85,6 +108,28 @@ def decode_query(data: bytes) -> None:
 
 
 FRAME = small_frame()
+PROBLEM = Problem(
+    text="the mug on the table",
+    target="mug",
+    constraints=(Constraint("on", "table"),),
+    candidates=(
+        Candidate(
+            instance_id=3,
+            role="target",
+            words="mug",
+            label="cup",
+            p=0.5,
+            cosine=0.25,
+            centre_world=np.ones(3),
+            T_world_box=T_WORLD_CAMERA,
+            box_size_m=np.ones(3),
+            views=((7, (1.0, 2.0, 3.0, 4.0)),),
+        ),
+    ),
+    up_world=np.array([0.0, 0.0, 1.0]),
+    viewpoint_world=np.zeros(3),
+)
+TAKE_ANYTHING = ("every topic", "ask", "query")
 DECODERS: dict[str, tuple[Decoder, list[bytes]]] = {
     "frame raw": (decode_frame, [encode(frame_message(FRAME, "raw", "raw"))]),
     "frame packed": (decode_frame, [encode(frame_message(FRAME, "jpeg", "zstd"))]),
@@ -96,6 +141,9 @@ DECODERS: dict[str, tuple[Decoder, list[bytes]]] = {
     "views": (decode_views, [encode(m) for m in EXAMPLES if isinstance(m, ViewDelta)]),
     "every topic": (decode_any_topic, [encode(m) for m in EXAMPLES]),
     "json": (lambda data: from_bytes(HEALTH, data), [b'{"node":"a","x":[1,2.5,null,"\xc3\xbc"]}']),
+    "problem": (problem_from_bytes, [problem_bytes(PROBLEM)]),
+    "verdict": (verdict_from_bytes, [verdict_bytes(Verdict(((3, 0.5), (4, 0.25)), "it is", 1))]),
+    "ask": (decode_ask, [b'{"q":"red mug","k":3}', msgpack.packb({"q": "mug", "k": 3})]),
     "query": (decode_query, [error_bytes(QueryError("a", "b", "c", 5)), b"q=red%20mug;k=5;%C3%BC"]),
 }
 
@@ -105,16 +153,16 @@ def mutate(data: bytes, rng: np.random.Generator) -> bytes:
     damaged = bytearray(data)
     for _ in range(rng.integers(1, 4)):
         at = int(rng.integers(0, len(damaged) + 1))
+        texts = HEADERS if data[:1] != b"{" else TEXTS
+        header = texts[rng.integers(0, len(texts))]
         match rng.integers(0, 6):
             case 0 if at < len(damaged):
                 damaged[at] ^= 1 << int(rng.integers(0, 8))
             case 1:
                 del damaged[at:]
             case 2:
-                header = HEADERS[rng.integers(0, len(HEADERS))]
                 damaged[at:at] = header
             case 3:
-                header = HEADERS[rng.integers(0, len(HEADERS))]
                 damaged[at : at + len(header)] = header
             case 4:
                 damaged[at:at] = damaged[int(rng.integers(0, at + 1)) : at]
@@ -151,7 +199,7 @@ def test_damaged_messages_are_refused_in_bounded_memory(name: str, traced: None)
         refusals += refused(decoder, data)
         _, peak = tracemalloc.get_traced_memory()
         assert peak - before <= MEMORY_BYTES + MEMORY_PER_BYTE * len(data), data.hex()
-    assert refusals > MUTANTS // 4 or name in ("every topic", "query")
+    assert refusals > MUTANTS // 4 or name in TAKE_ANYTHING
 
 
 @pytest.mark.parametrize("name", DECODERS)

@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.furnished import ROOM, UP, VIEWPOINT, Thing, ids, instance
 
 from sceneq_core.reasoning.geometric import GeometricParams, GeometricReasoner
 from sceneq_core.reasoning.reasoner import Candidate, Constraint, Problem
+
+from support.furnished import ROOM, UP, VIEWPOINT, Thing, ids, instance
 
 REASONER = GeometricReasoner(GeometricParams())
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+
 from sceneq_nodes import NODES
 from sceneq_tools.graph import Graph, Override, default_path, load
 from sceneq_tools.graph_check import check_nodes
@@ -93,6 +94,9 @@ nodes:
       size_m: big
       faults: none
       source: {kind: foldr}
+      limits:
+        mast: 3
+        least: none
 """
     told = problems(tmp_path, text)
     assert told[0].startswith("graph.yaml:3: nodes.left.kind: unknown kind, got 'idel' (did you")
@@ -101,10 +105,14 @@ nodes:
         "graph.yaml:9: nodes.right.params.source.kind: unknown kind, got 'foldr' "
         "(did you mean 'folder'?)" in told
     )
+    assert (
+        "graph.yaml:11: nodes.right.params.limits.mast: unknown key (did you mean 'most'?)" in told
+    )
+    assert any(line.startswith("graph.yaml:12: nodes.right.params.limits.least: ") for line in told)
     size = next(line for line in told if "size_m" in line)
     assert size.startswith("graph.yaml:7: nodes.right.params.size_m: ")
     assert size.endswith(", got 'big'")
-    assert len(told) == 4
+    assert len(told) == 6
 
 
 @pytest.mark.parametrize(

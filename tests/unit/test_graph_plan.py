@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from sceneq_schemas.topics import ID
 from sceneq_tools.errors import UserError
 from sceneq_tools.graph import load

@@ -4,6 +4,7 @@ import os
 import threading
 
 import pytest
+
 from sceneq_nodes import _health
 from sceneq_nodes._counters import Counters
 from sceneq_nodes._health import Health, metrics, rss_mb

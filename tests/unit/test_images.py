@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import zstandard
+
+from sceneq_core.frame import Frame, depth_from_mm
 from sceneq_nodes._images import (
     array_from_image,
     frame_from_message,
@@ -13,8 +15,6 @@ from sceneq_nodes._images import (
 )
 from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.frame import ImageData
-
-from sceneq_core.frame import Frame, depth_from_mm
 
 
 def gradient(height: int = 24, width: int = 40) -> np.ndarray:

@@ -3,6 +3,7 @@
 import threading
 
 import pytest
+
 from sceneq_nodes._counters import Counters
 from sceneq_nodes._inbox import Inbox, Raw
 from sceneq_schemas.topics import FRAME, POSE

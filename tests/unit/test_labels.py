@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from support.furnished import WordEncoder
 
 from sceneq_core.routing.labels import Labeller, LabelSet, custom, named
+
+from support.furnished import WordEncoder
 
 
 def test_scannet200_has_the_benchmarks_labels():

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from sceneq_nodes._bus import Context
 from sceneq_nodes._launch import Launch, RouterLaunch, read_launch
 

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from sceneq_tools.console import Console
 from sceneq_tools.graph import GraphNode
 from sceneq_tools.log_tail import LogTail, last_line

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import pytest
+
 from sceneq_nodes._params import ParamError, did_you_mean, validate
 
 

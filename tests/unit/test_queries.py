@@ -5,6 +5,7 @@ import threading
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from sceneq_nodes._bus import QueryError, Reply, Request
 from sceneq_nodes._queries import (
     QueryPool,

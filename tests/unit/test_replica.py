@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.true_map import delta, instance, voxels
 
 from sceneq_core.mapping.replica import MapReplica
+
+from support.true_map import delta, instance, voxels
 
 
 @pytest.fixture

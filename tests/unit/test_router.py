@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.furnished import ROOM, Thing, descriptors, furnish, ids, instance, router, snapshot
 
 from sceneq_core.reasoning.reasoner import Verdict
 from sceneq_core.routing.judge import JudgeParams
 from sceneq_core.routing.router import RouterParams
 from sceneq_core.routing.scene import Revision
+
+from support.furnished import ROOM, Thing, descriptors, furnish, ids, instance, router, snapshot
 
 ROUTER = router()
 SURE = snapshot(noise=0.3)

@@ -7,6 +7,7 @@ import msgpack
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
+
 from sceneq_schemas.codec import encode as encode_message
 from sceneq_schemas.frame import Pose
 from sceneq_schemas.topics import POSE

@@ -1,0 +1,172 @@
+"""Brings a recording or a camera into the graph: a pose for every frame, images of keyframes.
+
+Reads   a source; sceneq/view/<scene>/delta/v1 when lossless: its ``frame_seq`` acknowledges.
+Writes  sceneq/pose/<robot>/v1 for every frame, sceneq/frame/<robot>/<sensor>/v1 for keyframes.
+Rate    ``rate_hz`` frames a second, late ones at once (``frames_late``), latest wins; or, without
+        a rate, as fast as the graph takes it: at most ``window`` keyframes are on their way, an
+        unacknowledged one is sent again (``frames_resent``), in the end given up (``frames_lost``).
+Bad     a source that cannot be opened ends the process with code 2; a bad frame is skipped, logged
+        with file and reason and counted (``frames_skipped``).
+"""
+
+import logging
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from sceneq_core.ingest.ingestor import Ingested
+from sceneq_core.ingest.source import RawFrame, Skipped
+from sceneq_nodes._bus import Bus, Context, Received
+from sceneq_nodes._images import frame_message
+from sceneq_nodes._ingesting import IngestSpecs, open_ingestor
+from sceneq_nodes._pacer import Pacer
+from sceneq_nodes._window import Window
+from sceneq_schemas.frame import Frame, Pose
+from sceneq_schemas.topics import FRAME, POSE, VIEW_DELTA
+
+log = logging.getLogger(__name__)
+
+BURST_S = 0.05
+"""Work on frames that long, then look at the inbox and the stop signal again."""
+ALIVE_POLL_S = 0.2
+RGB_CODECS = ("raw", "jpeg")
+DEPTH_CODECS = ("raw", "zstd")
+
+
+@dataclass(frozen=True, slots=True)
+class IngestParams:
+    """What to play, how fast, and in which form; times in seconds.
+
+    ``rate_hz`` None or 0 means lossless. ``wait_for`` names nodes that must live before the first
+    frame, for at most ``wait_s``. ``window`` and ``resend_s`` are for lossless play: keyframes on
+    their way, and the silence of the graph after which one is sent again, ``tries`` times in all.
+    """
+
+    source: dict[str, Any]
+    rate_hz: float | None = None
+    keyframes: dict[str, Any] = field(default_factory=lambda: {"kind": "every", "every": 10})
+    odometry: dict[str, Any] = field(default_factory=lambda: {"kind": "kiss_icp"})
+    rgb_codec: str = "raw"
+    depth_codec: str = "raw"
+    window: int = 4
+    resend_s: float = 2.0
+    tries: int = 5
+    wait_for: tuple[str, ...] = ("segmentation", "mapping", "views")
+    wait_s: float = 20.0
+
+    def __post_init__(self) -> None:
+        if self.rate_hz is not None and not 0 <= self.rate_hz < float("inf"):
+            raise ValueError(f"rate_hz: expected 0 or more, got {self.rate_hz}")
+        if self.rgb_codec not in RGB_CODECS:
+            raise ValueError(f"rgb_codec: expected raw or jpeg, got {self.rgb_codec!r}")
+        if self.depth_codec not in DEPTH_CODECS:
+            raise ValueError(f"depth_codec: expected raw or zstd, got {self.depth_codec!r}")
+        for name in ("window", "tries", "resend_s"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"{name}: expected more than 0, got {getattr(self, name)}")
+
+
+class Ingest:
+    """Plays one source."""
+
+    Params: ClassVar[type] = IngestParams
+    idle_s: ClassVar[float] = 0.005
+
+    def __init__(self, params: IngestParams, context: Context) -> None:
+        self._params = params
+        self._context = context
+        self._pacer = Pacer(params.rate_hz) if params.rate_hz else None
+        self._window: Window[Frame] = Window(params.window, params.resend_s, params.tries)
+        self._frames = self._keyframes = 0
+        self._state = "waiting"
+
+    def open(self, bus: Bus) -> None:
+        """Open the source; raise ``ValueError`` when it cannot be played."""
+        self._bus = bus
+        params = self._params
+        specs = IngestSpecs(params.source, params.keyframes, params.odometry)
+        source, self._ingestor = open_ingestor(specs)
+        self._raw: Iterator[RawFrame | Skipped] = source.frames()
+        if self._pacer is None:
+            bus.subscribe(VIEW_DELTA, depth=4 * params.window, scene=self._context.scene)
+        self._wait_until_s = time.monotonic() + params.wait_s
+        self._next_poll_s = 0.0
+        self._report("waiting")
+
+    def step(self, received: Received | None) -> None:
+        """Take an acknowledgement, send again what is overdue, then play what is due."""
+        now_s = time.monotonic()
+        if received is not None:
+            self._window.acknowledge(received.message.frame_seq, now_s)
+        self._resend(now_s)
+        if self._state == "waiting" and self._graph_is_there(now_s):
+            self._report("playing")
+        burst_end_s = now_s + BURST_S
+        while self._state == "playing" and self._is_due(now_s) and now_s < burst_end_s:
+            self._play(now_s)
+            now_s = time.monotonic()
+        if self._state == "ending" and not len(self._window):
+            self._report("finished")
+            log.info("finished: %d frames, %d keyframes", self._frames, self._keyframes)
+
+    def close(self) -> None:
+        """Nothing to release."""
+
+    def _is_due(self, now_s: float) -> bool:
+        return self._pacer.is_due(now_s) if self._pacer else self._window.has_room()
+
+    def _play(self, now_s: float) -> None:
+        """Read the next source frame and publish what it gives."""
+        raw = next(self._raw, None)
+        if raw is None:
+            self._report("ending")
+            return
+        if self._pacer and self._pacer.take(now_s):
+            self._bus.count("frames_late")
+        result = raw if isinstance(raw, Skipped) else self._ingestor.ingest(raw)
+        if isinstance(result, Skipped):
+            log.warning("frame %d skipped: %s: %s", result.seq, result.where, result.reason)
+            self._bus.count("frames_skipped")
+        else:
+            self._publish(result)
+
+    def _publish(self, frame: Ingested) -> None:
+        self._frames += 1
+        is_keyframe = frame.keyframe is not None
+        pose = (frame.seq, frame.stamp_ns, frame.T_world_camera, frame.pose_source, is_keyframe)
+        self._bus.publish(POSE, Pose(*pose), robot=self._context.robot)
+        if frame.keyframe is not None:
+            self._keyframes += 1
+            codecs = self._params.rgb_codec, self._params.depth_codec
+            message = frame_message(frame.keyframe, *codecs)
+            self._publish_keyframe(message)
+            if self._pacer is None:
+                self._window.sent(message.seq, message, time.monotonic())
+        self._report(self._state)
+
+    def _publish_keyframe(self, message: Frame) -> None:
+        context = self._context
+        self._bus.publish(FRAME, message, robot=context.robot, sensor=context.sensor)
+
+    def _resend(self, now_s: float) -> None:
+        for message in self._window.overdue(now_s):
+            self._bus.count("frames_resent")
+            self._publish_keyframe(message)
+        for seq in self._window.lost(now_s):
+            log.error("keyframe %d lost: sent %d times, no view delta", seq, self._params.tries)
+            self._bus.count("frames_lost")
+
+    def _graph_is_there(self, now_s: float) -> bool:
+        if now_s < self._next_poll_s:
+            return False
+        self._next_poll_s = now_s + ALIVE_POLL_S
+        missing = set(self._params.wait_for) - self._bus.alive()
+        if missing and now_s >= self._wait_until_s:
+            log.warning("starting without %s", ", ".join(sorted(missing)))
+            return True
+        return not missing
+
+    def _report(self, state: str) -> None:
+        self._state = state
+        self._bus.report(state=state, frames=self._frames, keyframes=self._keyframes)

@@ -1,0 +1,68 @@
+"""The frame at the resolution segmentation works at, in the units it works in."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from sceneq_core.arrays import Array, Bool, Float32, Float64
+from sceneq_core.frame import Frame
+
+
+@dataclass(frozen=True, slots=True)
+class WorkingImage:
+    """A frame, reduced.
+
+    Attributes:
+        colour: CIELAB float32 (h, w, 3), L 0..100.
+        closeness: float32 (h, w), inverse depth in 1/m, 0 = no measurement. Triangulating depth
+            sensors have the same error everywhere in this unit, and a plane is affine in it.
+        K: float64 (3, 3), pixels of the reduced image.
+    """
+
+    colour: Float32
+    closeness: Float32
+    K: Float64
+
+    @property
+    def measured(self) -> Bool:
+        """Where there is depth, bool (h, w)."""
+        return np.asarray(self.closeness > 0)
+
+
+def reduced(frame: Frame, width: int) -> WorkingImage:
+    """Return ``frame`` at most ``width`` pixels wide.
+
+    Colour is averaged; depth is the median of the measurements under each pixel, because the mean
+    of two surfaces is a point on neither.
+    """
+    height_full, width_full = frame.depth_m.shape
+    step = max(1, -(-width_full // width))
+    size = (-(-width_full // step), -(-height_full // step))
+    rgb = cv2.resize(frame.rgb, size, interpolation=cv2.INTER_AREA)
+    K = np.diag([1 / step, 1 / step, 1.0]) @ frame.K
+    K[:2, 2] += 0.5 / step - 0.5
+    colour = cv2.cvtColor(rgb.astype(np.float32) / np.float32(255), cv2.COLOR_RGB2LAB)
+    return WorkingImage(colour, _closeness(frame.depth_m, step), K)
+
+
+def enlarged(labels: Array, shape: tuple[int, int]) -> Array:
+    """Return ``labels`` repeated to the full ``shape``; the inverse of the reduction."""
+    step = -(-shape[0] // labels.shape[0])
+    full = labels.repeat(step, axis=0).repeat(step, axis=1)
+    return full[: shape[0], : shape[1]]
+
+
+def _closeness(depth_m: Float32, step: int) -> Float32:
+    """Return the inverse of the middle measurement in each ``step`` x ``step`` block."""
+    height, width = depth_m.shape
+    padded = np.pad(depth_m, ((0, -height % step), (0, -width % step)))
+    rows, columns = padded.shape[0] // step, padded.shape[1] // step
+    blocks = padded.reshape(rows, step, columns, step).transpose(0, 2, 1, 3).reshape(rows, columns, -1)
+    ordered = np.sort(blocks, axis=2)
+    missing = (ordered <= 0).sum(axis=2)
+    middle = (missing + step * step) // 2
+    depth = np.take_along_axis(ordered, np.minimum(middle, step * step - 1)[..., None], axis=2)[..., 0]
+    closeness = np.zeros_like(depth)
+    np.divide(1, depth, out=closeness, where=depth > 0)
+    return closeness

@@ -1,0 +1,159 @@
+"""``sceneq demo``: a recording through the real graph, questions meanwhile, then a picture."""
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from sceneq_nodes._client import Client
+
+QUESTIONS = ("chair", "red mug", "the monitor on the table", "bicycle")
+RATE_HZ = 30.0
+READY_S = 60.0
+SETTLE_S = 300.0
+POLL_S = 1.0
+ASK_EVERY_S = 4.0
+STOP_S = 10.0
+
+
+def run(
+    source: Annotated[Path, typer.Argument(help="Folder of frames to read.")],
+    out: Annotated[Path, typer.Argument(help="Folder to write into.")] = Path("out/demo"),
+    question: Annotated[
+        list[str] | None, typer.Option("--question", "-q", help="Ask this; repeat for more.")
+    ] = None,
+    port: Annotated[int | None, typer.Option(help="TCP port of the router.")] = None,
+) -> None:
+    """Run a recording through the graph, ask while it runs, write the map and a picture."""
+    port = port or _free_port()
+    command = [sys.executable, "-m", "sceneq_tools", "up", "--source", str(source)]
+    graph = subprocess.Popen([*command, "--rate", f"{RATE_HZ:g}", "--port", str(port)])
+    try:
+        _show(graph, f"tcp/127.0.0.1:{port}", out, question or list(QUESTIONS))
+    finally:
+        graph.send_signal(signal.SIGINT)
+        try:
+            graph.wait(STOP_S)
+        except subprocess.TimeoutExpired:
+            graph.kill()
+
+
+def _show(graph: "subprocess.Popen[bytes]", endpoint: str, out: Path, questions: list[str]) -> None:
+    from sceneq_tools.collect import collect
+    from sceneq_tools.export_command import getter
+    from sceneq_tools.scene_files import describe
+
+    with _connected(graph, endpoint) as client:
+        scene = _first_instances(graph, client)
+        _ask_while_it_plays(graph, client, scene, questions)
+        typer.echo("\nthe recording is over; the same questions to the whole map:")
+        for text in questions:
+            _ask(client, scene, text)
+        files = collect(getter(client, scene), scene)
+        typer.echo(describe(files.write(out), out))
+        typer.echo(f"picture: {out / 'instances.png'}")
+
+
+def _connected(graph: "subprocess.Popen[bytes]", endpoint: str) -> "Client":
+    """Return a client as soon as the router answers."""
+    from sceneq_nodes._client import Client
+
+    deadline_s = time.monotonic() + READY_S
+    while True:
+        try:
+            return Client(endpoint)
+        except ConnectionError:
+            _need_running(graph)
+            if time.monotonic() > deadline_s:
+                raise
+            time.sleep(POLL_S)
+
+
+def _first_instances(graph: "subprocess.Popen[bytes]", client: "Client") -> str:
+    """Wait until there is something to ask about; return its scene."""
+    from sceneq_tools.errors import UserError
+    from sceneq_tools.scenes import scene_status
+
+    deadline_s = time.monotonic() + READY_S
+    while time.monotonic() < deadline_s:
+        _need_running(graph)
+        for scene, status in scene_status(client).items():
+            if status.get("answerable"):
+                return scene
+        time.sleep(POLL_S)
+    raise UserError(f"no instance appeared within {READY_S:g} s (see: sceneq status)")
+
+
+def _ask_while_it_plays(
+    graph: "subprocess.Popen[bytes]", client: "Client", scene: str, questions: list[str]
+) -> None:
+    """Put one question after the other until the last frame is described."""
+    heard = _Heard(client)
+    deadline_s, next_s, turn = time.monotonic() + SETTLE_S, 0.0, 0
+    while not heard.settled() and time.monotonic() < deadline_s:
+        _need_running(graph)
+        if time.monotonic() >= next_s and not heard.source_finished():
+            typer.echo(f"\n{heard.progress()}")
+            _ask(client, scene, questions[turn % len(questions)])
+            turn, next_s = turn + 1, time.monotonic() + ASK_EVERY_S
+        time.sleep(POLL_S)
+
+
+def _ask(client: "Client", scene: str, text: str) -> None:
+    from sceneq_schemas.topics import QUERY_ASK
+    from sceneq_tools.answer_text import as_text
+    from sceneq_tools.scenes import ask
+
+    asked = ask(client, QUERY_ASK, scene, {"q": text, "k": 3}, 10.0)
+    typer.echo(as_text(asked.body))
+
+
+def _need_running(graph: "subprocess.Popen[bytes]") -> None:
+    from sceneq_tools.errors import UserError
+
+    if graph.poll() is not None:
+        raise UserError("the graph stopped; the lines above say why", graph.returncode or 1)
+
+
+class _Heard:
+    """The newest heartbeat of every node."""
+
+    def __init__(self, client: "Client") -> None:
+        from sceneq_schemas.topics import HEALTH
+        from sceneq_tools.status import from_health
+
+        self._values: dict[str, Any] = {}
+
+        def note(key: str, encoding: str, payload: bytes) -> None:
+            status = from_health(key, payload)
+            if status is not None:
+                self._values[status.kind] = status.values
+
+        client.subscribe(HEALTH.selector(), note)
+
+    def source_finished(self) -> bool:
+        """Tell whether the last frame is published."""
+        return self._values.get("ingest", {}).get("state") == "finished"
+
+    def settled(self) -> bool:
+        """Tell whether everything seen is described."""
+        return self.source_finished() and self._values.get("encoding", {}).get("pending") == 0
+
+    def progress(self) -> str:
+        """Return how far the graph has come."""
+        played = self._values.get("ingest", {}).get("frames", 0)
+        instances = self._values.get("mapping", {}).get("instances", 0)
+        return f"after {played} frames, {instances} instances in the map:"
+
+
+def _free_port() -> int:
+    import socket
+
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])

@@ -1,0 +1,72 @@
+"""``sceneq map``: a recording to a map in one process, by the same nodes and without a network."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sceneq_tools.up_command import GraphFile, NoPoses, Scene, Segmenter, Step, source_overrides
+
+if TYPE_CHECKING:
+    from sceneq_tools.batch import Batch
+    from sceneq_tools.graph_plan import Plan
+
+
+def run(
+    source: Annotated[Path, typer.Argument(help="Folder of frames to read.")],
+    out: Annotated[Path, typer.Argument(help="Folder to write into.")],
+    graph: GraphFile = None,
+    scene: Scene = None,
+    step: Step = None,
+    no_poses: NoPoses = False,
+    segmenter: Segmenter = None,
+    report: Annotated[
+        bool, typer.Option("--report", help="Compare estimated with given poses.")
+    ] = False,
+) -> None:
+    """Write instances.npz, instances.json, cloud.ply and instances.png of a recording."""
+    from sceneq_tools.batch import Batch
+    from sceneq_tools.collect import collect
+    from sceneq_tools.scene_files import describe
+
+    batch = Batch(_plan(graph, source, scene, step, no_poses, segmenter))
+    try:
+        _show_progress(batch)
+        typer.echo(describe(collect(batch.get, batch.scene).write(out), out))
+        for name, count in sorted(batch.troubles().items()):
+            typer.echo(f"{name}: {count}")
+        if report:
+            typer.echo(batch.trajectory_report())
+    finally:
+        batch.close()
+
+
+def _plan(
+    graph: Path | None,
+    source: Path,
+    scene: str | None,
+    step: int | None,
+    no_poses: bool,
+    segmenter: str | None,
+) -> "Plan":
+    from sceneq_tools.graph import default_path, load
+    from sceneq_tools.graph_check import check_nodes
+    from sceneq_tools.graph_plan import plan
+
+    # Rate 0: the next frame is read when the last one is in the map.
+    overrides = source_overrides(source, scene, 0.0, step, False, no_poses, segmenter)
+    loaded, document = load(graph or default_path(), overrides)
+    check_nodes(loaded, document)
+    return plan(loaded, document, "local")
+
+
+def _show_progress(batch: "Batch") -> None:
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        for stage in batch.stages():
+            task = progress.add_task(stage.name, total=stage.total)
+            for done in stage.steps:
+                progress.update(task, completed=done)
