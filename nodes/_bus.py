@@ -80,7 +80,7 @@ class Bus(Protocol):
         """Deliver this topic to the node's ``step``; beyond ``depth`` the oldest is dropped."""
 
     def serve(self, topic: Topic, handler: Handler, **ids: str) -> None:
-        """Answer queries on this topic's key from a bounded pool."""
+        """Answer queries on this topic's key from a bounded pool, once ``open`` has returned."""
 
     def ask(
         self,

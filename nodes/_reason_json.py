@@ -1,7 +1,7 @@
 """Problems and verdicts as they travel between routing and reasoning: JSON, checked and bounded."""
 
 import json
-import math
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -153,7 +153,7 @@ def _integer(value: Any, name: str) -> int:
 
 
 def _number(value: Any, name: str) -> float:
-    if type(value) not in (int, float) or not math.isfinite(value):
+    if type(value) not in (int, float) or not abs(value) <= sys.float_info.max:
         raise DecodeError(f"{name}: expected a finite number, got {value!r:.40}")
     return float(value)
 
@@ -176,7 +176,9 @@ def _numbers(wire: dict[str, Any], name: str, shape: tuple[int, ...]) -> Float64
 
 
 def _unit(vector: Float64) -> Float64:
-    length = float(np.linalg.norm(vector))
-    if not length > 0:
+    largest = np.abs(vector).max()
+    if not largest > 0:
         raise DecodeError("up_world: has no length")
-    return vector / length
+    scaled = vector / largest
+    unit: Float64 = scaled / np.linalg.norm(scaled)
+    return unit

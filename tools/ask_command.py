@@ -35,7 +35,10 @@ def run(
     """Ask the map a question; exit code 0 = answered, 1 = no answer, 2 = wrong usage."""
     from sceneq_schemas.topics import QUERY_ASK, QUERY_INSTANCES
     from sceneq_tools import scenes
+    from sceneq_tools.errors import UserError
 
+    if not question.strip():
+        raise UserError("an empty question (say what to look for, such as 'red mug')", 2)
     request: dict[str, Any] = {"q": question, "k": k}
     if mode is Mode.reason:
         request["mode"] = "reason"

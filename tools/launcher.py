@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import tempfile
 import threading
 import time
@@ -19,13 +18,11 @@ from sceneq_tools.log_tail import LogTail, last_line
 from sceneq_tools.story import Exit, change, exit_in
 from sceneq_tools.supervision import EXITED, FATAL, STOPPED, Process, Supervisor
 from sceneq_tools.supervisor_config import render
+from sceneq_tools.troubles import TROUBLE, Troubles
 from sceneq_tools.watchdog import Watchdog
 
 TICK_S = 0.2
 BAD_PARAMETERS = 2
-MAX_WARNINGS = 5
-"""Forwarded for each node and tick; the log has them all."""
-TROUBLE = re.compile(r"\b(WARNING|ERROR|CRITICAL)\b")
 
 
 class Launcher:
@@ -46,7 +43,8 @@ class Launcher:
         self._before: dict[str, Process] = {}
         self._ready: set[str] = set()
         self._were_ready: set[str] = set()
-        self._tails: dict[str, LogTail] = {}
+        names = (ROUTER, *(node.id for node in plan.nodes))
+        self._troubles = Troubles(logs, names, console)
         self._reports = LogTail(logs / "supervisord.log")
         self._exits: dict[str, int] = {}
         self._refused: set[str] = set()
@@ -66,9 +64,9 @@ class Launcher:
         finally:
             self._heartbeats.close()
             supervisor.stop()
-            self._forward_warnings()
-            for tail in (self._reports, *self._tails.values()):
-                tail.close()
+            self._troubles.forward()
+            self._troubles.close()
+            self._reports.close()
             self._console.say("up", f"stopped, logs in {self._logs}")
 
     def _prepare(self) -> Supervisor:
@@ -81,8 +79,6 @@ class Launcher:
         graph.write_text(json.dumps(self._plan.as_json(), indent=2))
         conf = render(self._plan.nodes, folder, self._logs.resolve())
         (folder / "supervisord.conf").write_text(conf)
-        names = [ROUTER, *(node.id for node in self._plan.nodes)]
-        self._tails = {name: LogTail(self._logs / f"{name}.log") for name in names}
         return Supervisor(folder, {"SCENEQ_GRAPH": str(graph)})
 
     def _headline(self) -> str:
@@ -95,7 +91,7 @@ class Launcher:
                 self._console.say("up", "supervisord died: stopping everything", "bad")
                 return 1
             processes = supervisor.processes()
-            self._forward_warnings()
+            self._troubles.forward()
             self._tell_exits(supervisor, {process.name: process for process in processes})
             for process in processes:
                 self._follow(process)
@@ -180,17 +176,6 @@ class Launcher:
             if (process := self._before.get(name)) and process.pid:
                 self._console.say(name, f"hangs ({reason}): killed", "bad")
                 supervisor.kill(process)
-
-    def _forward_warnings(self) -> None:
-        for name, tail in self._tails.items():
-            found = [(hit, line) for line in tail.new_lines() if (hit := TROUBLE.search(line))]
-            for hit, line in found[:MAX_WARNINGS]:
-                tone = "warn" if hit[1] == "WARNING" else "bad"
-                words = line[hit.start() :].replace(f" {name}: ", " ", 1)
-                self._console.say(name, words, tone)
-            if len(found) > MAX_WARNINGS:
-                more = len(found) - MAX_WARNINGS
-                self._console.say(name, f"and {more} more warnings in its log", "warn")
 
 
 def run_folder(scene: str) -> Path:

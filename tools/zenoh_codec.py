@@ -17,23 +17,24 @@ from sceneq_tools.answer_text import as_text
 
 MAX_TEXT = 120
 MAX_ITEMS = 20
+ANSWER_FIELDS = {"status", "instances", "confidence"}
 
 
 def decode(key: Any, data: bytes) -> str:
-    """Return ``data`` as text: an answer as a table, anything else as ``name: value`` lines.
+    """Return ``data`` as text: an answer as a table, anything else as its key and fields.
 
     The command tells a codec the key and not the encoding, so JSON is tried first; what nobody
     can read is described, not raised.
     """
     try:
-        return _told(json.loads(data))
+        return _told(key, json.loads(data))
     except (ValueError, RecursionError):
         pass  # not JSON: a message of ours, or msgpack of somebody else's
     topic = _topic(str(key))
     try:
         if topic is not None and topic.message is not None:
-            return "\n".join(_lines(decode_message(topic.message, data, topic.max_bytes)))
-        return _told(msgpack.unpackb(data))
+            return _told(key, decode_message(topic.message, data, topic.max_bytes))
+        return _told(key, msgpack.unpackb(data))
     except (DecodeError, ValueError, msgpack.exceptions.UnpackException) as error:
         return f"{len(data)} bytes that are no message of {key}: {error}"
 
@@ -50,15 +51,13 @@ def _topic(key: str) -> Topic | None:
     return next((topic for topic in TOPICS if topic.ids(key) is not None), None)
 
 
-def _told(value: Any) -> str:
-    if not isinstance(value, dict):
-        return json.dumps(value, ensure_ascii=False, default=repr)
-    if "status" in value and "instances" in value and "confidence" in value:
+def _told(key: Any, value: Any) -> str:
+    if isinstance(value, dict) and value.keys() >= ANSWER_FIELDS:
         return as_text(value)
-    return "\n".join(_lines(value))
+    return "\n".join([str(key), *_lines(value, "  ")])
 
 
-def _lines(value: Any, indent: str = "") -> list[str]:
+def _lines(value: Any, indent: str) -> list[str]:
     lines = []
     for name, item in _items(value):
         if is_dataclass(item) or isinstance(item, dict):

@@ -9,11 +9,12 @@ import numpy as np
 from sceneq_core.arrays import Float32, UInt8
 from sceneq_core.encoding.encoder import Encoder
 from sceneq_core.encoding.joint import unit
+from sceneq_core.encoding.pending import view_key
 from sceneq_core.encoding.pyramid import pyramid
 from sceneq_core.views.view import View, ViewSet
 
-Image = Callable[[int], UInt8 | None]
-"""Number of a keyframe -> its colours (H, W, 3), ``None`` when they are gone."""
+Image = Callable[[View], UInt8 | None]
+"""View -> the colours (H, W, 3) of its keyframe, ``None`` when they are gone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +61,7 @@ class Describer:
     def __init__(self, encoder: Encoder, params: DescribeParams) -> None:
         self._encoder = encoder
         self._params = params
-        self._seen: OrderedDict[tuple[int, bytes, bytes], _Seen] = OrderedDict()
+        self._seen: OrderedDict[tuple[int, int, bytes, bytes], _Seen] = OrderedDict()
 
     def describe(self, view_set: ViewSet, image: Image) -> Description | None:
         """Return the description, ``None`` when no view of the set has an image any more.
@@ -82,11 +83,11 @@ class Describer:
         )
 
     def _look(self, view: View, image: Image) -> _Seen | None:
-        key = (view.seq, view.box_xyxy.tobytes(), np.packbits(view.mask).tobytes())
+        key = (*view_key(view), np.packbits(view.mask).tobytes())
         if key in self._seen:
             self._seen.move_to_end(key)
             return self._seen[key]
-        rgb = image(view.seq)
+        rgb = image(view)
         if rgb is None:
             return None
         self._seen[key] = seen = self._encode(rgb, view)

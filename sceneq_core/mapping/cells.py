@@ -49,5 +49,5 @@ class Cells:
 
     def centres_world(self, voxel_size_m: float) -> Float64:
         """Return the cell centres float64 (C, 3), metres."""
-        centres: Float64 = (self._coord[: len(self)] + 0.5) * (CELL_SIDE * voxel_size_m)
-        return centres
+        middle = self._coord[: len(self)].astype(np.float64) + 0.5
+        return middle * (CELL_SIDE * voxel_size_m)

@@ -132,5 +132,5 @@ def _normals(
     x32, y32 = x.astype(np.float32)[None, :], y.astype(np.float32)[:, None]
     normal = np.stack((slope_x, slope_y, mean - x32 * slope_x - y32 * slope_y), axis=2)
     length = np.maximum(np.sqrt((normal**2).sum(axis=2)), np.float32(1e-9))
-    ray_length = np.sqrt(np.float32(1.0) + x32**2 + y32**2)
+    ray_length = np.sqrt(1.0 + x32**2 + y32**2).astype(np.float32)
     return -normal / length[:, :, None], mean / (length * ray_length)

@@ -70,8 +70,7 @@ class Voxels:
 
     def centres_world(self, voxel_id: Int32) -> Float64:
         """Return the centres of the cubes float64 (M, 3), metres."""
-        centres: Float64 = (self._coord[voxel_id] + 0.5) * self.voxel_size_m
-        return centres
+        return (self._coord[voxel_id].astype(np.float64) + 0.5) * self.voxel_size_m
 
     def points_world(self, voxel_id: Int32) -> Float64:
         """Return mean positions float64 (M, 3), metres."""

@@ -11,9 +11,10 @@ from scipy.sparse.csgraph import connected_components
 
 from sceneq_core.arrays import Array, Bool, Float32, Int32
 
-LEVELS = tuple(float(2.0 ** (i / 2)) for i in range(-6, 9))
-"""Colour differences up to which edges are looked at, in turn: light edges have to merge before
-heavy ones, or a region's internal difference no longer means what it does in the paper."""
+LEVELS = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
+"""Colour differences (CIELAB) up to which edges are looked at, in turn: light edges have to merge
+before heavy ones, or a region's internal difference no longer means what it does in the paper. Up
+to the first, which is sensor noise and below what an eye tells apart, everything merges."""
 
 
 def graph_segments(colour: Float32, domain: Int32, scale: float, min_pixels: int) -> Int32:
@@ -25,11 +26,9 @@ def graph_segments(colour: Float32, domain: Int32, scale: float, min_pixels: int
     their most similar neighbour of the same domain.
     """
     edges, weights = _grid_edges(colour, domain)
-    region = np.arange(domain.size, dtype=np.int32)
-    size = np.ones(domain.size, np.int64)
-    internal = np.zeros(domain.size, np.float32)
-    state = _Regions(region, size, internal, edges, weights)
-    for level in LEVELS:
+    state = _Regions(domain.size, edges, weights)
+    state.merge_all(LEVELS[0])
+    for level in LEVELS[1:]:
         while state.merge_round(scale, heaviest=level):
             pass
     while state.merge_round(scale, min_pixels=min_pixels):
@@ -40,14 +39,17 @@ def graph_segments(colour: Float32, domain: Int32, scale: float, min_pixels: int
 class _Regions:
     """A partition of pixels under merging, with the edges that still join two regions."""
 
-    def __init__(
-        self, region: Int32, size: Array, internal: Float32, edges: Array, weights: Float32
-    ) -> None:
-        self.region = region
-        self._size = size
-        self._internal = internal
+    def __init__(self, pixels: int, edges: Array, weights: Float32) -> None:
+        self.region: Array = np.arange(pixels, dtype=np.int32)
+        self._size: Array = np.ones(pixels, np.int64)
+        self._internal: Float32 = np.zeros(pixels, np.float32)
         self._edges = edges
         self._weights = weights
+
+    def merge_all(self, heaviest: float) -> None:
+        """Join across every edge up to ``heaviest``."""
+        count = int(np.searchsorted(self._weights, heaviest, side="right"))
+        self._join(*self._edges[:count].T, self._weights[:count])
 
     def merge_round(
         self, scale: float, heaviest: float = np.inf, min_pixels: int = 0

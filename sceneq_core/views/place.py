@@ -5,8 +5,6 @@ which start again when the writer of the map does; so what a keyframe shows stay
 voxels, superpoints and instances change around it.
 """
 
-from dataclasses import dataclass
-
 import cv2
 import numpy as np
 
@@ -20,24 +18,6 @@ NO_PLACE = -1
 WINDOW_PX = (5, 5)
 SAME_SURFACE = 0.02
 """Depths that differ by less than this share of the depth belong to one surface."""
-
-
-@dataclass(frozen=True, slots=True)
-class PlaceImage:
-    """The place of every second pixel of every second row, -1 = none, as runs along the rows.
-
-    ``place`` int32 (R,) and ``length`` int32 (R,) in row order; ``shape`` is that of the image at
-    half resolution. Runs because neighbouring pixels share a voxel: a third of the memory, and
-    counting looks at a third of the values.
-    """
-
-    place: Int32
-    length: Int32
-    shape: tuple[int, int]
-
-    def expand(self, value: Array) -> Array:
-        """Return the image (H/2, W/2) of one value per run."""
-        return np.repeat(value, self.length).reshape(self.shape)
 
 
 class Places:
@@ -71,33 +51,32 @@ class Places:
         instance_id[NO_PLACE] = 0
         return instance_id
 
-    def render(self, frame: Frame, voxel_size_m: float) -> PlaceImage:
-        """Return the places that ``frame`` shows; raise ``ValueError`` when there is no map yet."""
+    def render(self, frame: Frame, voxel_size_m: float) -> Int32:
+        """Return the place that each pixel of every second row and column shows, -1 = none.
+
+        int32 (ceil(H / 2), ceil(W / 2)). Raises ``ValueError`` when there is no map yet.
+        """
         if not voxel_size_m > 0:
             raise ValueError(f"frame {frame.seq}: no map to look at yet")
         points_voxel, valid = _points_in_voxels(frame, voxel_size_m)
-        coord = np.floor(points_voxel)
-        first = _run_starts(coord, valid)
-        place = np.full(len(first), NO_PLACE, np.int32)
-        known = valid.ravel()[first]
-        pixel = first[known]
-        place[known] = self._nearest(
-            coord.reshape(-1, 3)[pixel], points_voxel.reshape(-1, 3)[pixel]
-        )
-        length = np.diff(first, append=valid.size).astype(np.int32)
-        return PlaceImage(place, length, (valid.shape[0], valid.shape[1]))
+        measured = points_voxel[valid]
+        coord = np.floor(measured).astype(np.int32)
+        first, of_pixel = _runs(coord)
+        place = np.full(valid.shape, NO_PLACE, np.int32)
+        place[valid] = self._nearest(coord[first], measured[first])[of_pixel]
+        return place
 
-    def _nearest(self, coord: Float64, points_voxel: Float64) -> Int32:
+    def _nearest(self, coord: Int32, points_voxel: Float64) -> Int32:
         """Return the place at each coordinate (M, 3) or, where there is none, at the closest face.
 
         The map leaves out depth edges and grazing views; half a voxel away is the same surface.
         """
-        place = self._index.lookup(coord.astype(np.int32))
+        place = self._index.lookup(coord)
         missing = np.flatnonzero(place < 0)
         offset = points_voxel[missing] - coord[missing] - 0.5
         row, axis = np.arange(len(missing)), np.argmax(np.abs(offset), axis=1)
-        beside = coord[missing].astype(np.int32)
-        beside[row, axis] += np.sign(offset[row, axis]).astype(np.int32)
+        beside = coord[missing]
+        beside[row, axis] += np.where(offset[row, axis] < 0, -1, 1).astype(np.int32)
         place[missing] = self._index.lookup(beside)
         return place
 
@@ -135,10 +114,11 @@ def _smoothed(depth_m: Float32) -> Float64:
     return np.where(np.abs(mean_m - z) < SAME_SURFACE * z, mean_m, z)
 
 
-def _run_starts(coord: Float64, valid: Array) -> Array:
-    """Return the flat indices of the pixels that differ from their left neighbour."""
-    start = np.ones(valid.shape, np.bool_)
-    same_voxel = (coord[:, 1:] == coord[:, :-1]).all(axis=-1)
-    both, neither = valid[:, 1:] & valid[:, :-1], ~valid[:, 1:] & ~valid[:, :-1]
-    start[:, 1:] = ~(both & same_voxel | neither)
-    return np.flatnonzero(start)
+def _runs(coord: Int32) -> tuple[Array, Array]:
+    """Return the rows of (M, 3) that differ from the row before, and which of them each row is in.
+
+    Neighbouring pixels often share a voxel: fewer coordinates to look up.
+    """
+    starts = np.ones(len(coord), np.bool_)
+    starts[1:] = (coord[1:] != coord[:-1]).any(axis=1)
+    return np.flatnonzero(starts), np.cumsum(starts) - 1

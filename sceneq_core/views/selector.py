@@ -76,8 +76,8 @@ class ViewSelector:
             self._forget(frame.seq)
         for seq in self.archive.make_room():
             self._forget(seq)
-        places = self._places.render(frame, self._replica.voxel_size_m)
-        self.archive.add(make_keyframe(frame, places))
+        place = self._places.render(frame, self._replica.voxel_size_m)
+        self.archive.add(make_keyframe(frame, place))
         self._look(frame.seq)
         self._outdate(frame.seq, self._sightings[frame.seq])
 
@@ -109,7 +109,7 @@ class ViewSelector:
         if not changed.any():
             return
         for keyframe in self.archive:
-            touched = keyframe.places.place[changed[keyframe.places.place]]
+            touched = keyframe.place[changed[keyframe.place]]
             if len(touched):
                 self._look(keyframe.seq)
                 self._outdate(keyframe.seq, np.unique([before[touched], now[touched]]).tolist())
@@ -152,7 +152,7 @@ class ViewSelector:
             for seq in seqs
             if (seq, instance_id) in self._outdated or not self._present(seq, instance_id)
         }
-        return {seq: self.archive[seq].instance_image(self._instance_of_place) for seq in new}
+        return {seq: self._instance_of_place[self.archive[seq].place] for seq in new}
 
     def _view(self, seq: int, instance_id: int, images: dict[int, Int32]) -> View:
         """Return the view of an instance in a keyframe; the present one if it still holds."""

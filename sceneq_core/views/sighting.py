@@ -25,10 +25,9 @@ class Sighting:
 
 def find_sightings(keyframe: Keyframe, instance_of_place: Int32) -> dict[int, Sighting]:
     """Return every instance that ``keyframe`` shows, by instance id."""
-    of_run = instance_of_place[keyframe.places.place]
-    samples = np.bincount(of_run, weights=keyframe.places.length).astype(np.int64)
+    samples = np.bincount(instance_of_place[keyframe.place].ravel())
     cut = np.zeros(len(samples), np.bool_)
-    cut[of_run[keyframe.edge_run]] = True
+    cut[instance_of_place[keyframe.edge_place]] = True
     shown = np.flatnonzero(samples[1:]) + 1
     visible_px = samples[shown] * PX_PER_SAMPLE
     return {

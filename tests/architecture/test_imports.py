@@ -22,7 +22,7 @@ ALLOWED = {
 BUS = ROOT / "nodes" / "_runtime.py"
 IMPURE = {
     "zenoh", "msgpack", "pydantic", "pathlib", "os", "io", "time", "datetime", "random",
-    "socket", "subprocess", "threading", "multiprocessing", "tempfile", "shutil", "logging",
+    "socket", "subprocess", "multiprocessing", "tempfile", "shutil", "logging",
 }  # fmt: skip
 SCHEMAS_MAY_USE = {"numpy", "msgpack"}
 

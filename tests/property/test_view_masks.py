@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from sceneq_core.views.keyframe import Keyframe
-from sceneq_core.views.place import PlaceImage
 from sceneq_core.views.sighting import find_sightings, make_view
 
 SHAPES = st.tuples(st.integers(1, 12), st.integers(1, 16))
@@ -15,11 +14,9 @@ LABELS = SHAPES.flatmap(lambda shape: hnp.arrays(np.int32, shape, elements=st.in
 
 def keyframe_of(labels: np.ndarray) -> Keyframe:
     """Return a keyframe whose pixel k shows place k."""
-    size = labels.size
-    image = PlaceImage(np.arange(size, dtype=np.int32), np.ones(size, np.int32), labels.shape)
-    edge = np.zeros(0, np.int32)
+    place = np.arange(labels.size, dtype=np.int32).reshape(labels.shape)
     height, width = labels.shape
-    return Keyframe(3, 30, b"", (2 * height - 1, 2 * width), np.zeros(3), image, edge)
+    return Keyframe(3, 30, b"", (2 * height - 1, 2 * width), np.zeros(3), place, place[0])
 
 
 @given(LABELS)
@@ -28,6 +25,7 @@ def test_sightings_count_every_pixel(labels):
     assert sightings.keys() == set(np.unique(labels).tolist()) - {0}
     for instance_id, sighting in sightings.items():
         assert sighting.visible_px == 4 * int((labels == instance_id).sum())
+        assert sighting.cut == (instance_id in labels[0])
 
 
 @settings(max_examples=60)

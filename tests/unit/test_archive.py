@@ -5,12 +5,11 @@ import pytest
 
 from sceneq_core.views.archive import ArchiveParams, ImageArchive
 from sceneq_core.views.keyframe import Keyframe
-from sceneq_core.views.place import PlaceImage
 
 
 def keyframe(seq: int) -> Keyframe:
-    nothing = PlaceImage(np.array([-1], np.int32), np.array([1], np.int32), (1, 1))
-    return Keyframe(seq, seq, b"jpeg %d" % seq, (2, 2), np.zeros(3), nothing, np.zeros(0, np.int32))
+    nothing = np.full((1, 1), -1, np.int32)
+    return Keyframe(seq, seq, b"jpeg %d" % seq, (2, 2), np.zeros(3), nothing, nothing[0])
 
 
 def filled(newest: int, capacity: int, count: int) -> ImageArchive:

@@ -119,7 +119,14 @@ def test_help_loads_nothing_heavy() -> None:
 
 
 @pytest.mark.parametrize(
-    "arguments", [("bogus",), ("ask",), ("up", "--port", "many"), ("ask", "mug", "--mode", "slow")]
+    "arguments",
+    [
+        ("bogus",),
+        ("ask",),
+        ("up", "--port", "many"),
+        ("ask", "mug", "--mode", "slow"),
+        ("ask", " "),
+    ],
 )
 def test_wrong_usage_is_one_line(run: Callable[..., Outcome], arguments: tuple[str, ...]) -> None:
     code, out, err = run(*arguments)

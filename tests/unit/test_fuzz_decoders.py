@@ -208,6 +208,14 @@ def test_the_undamaged_ones_decode(name: str) -> None:
     assert not any(refused(decoder, data) for data in originals)
 
 
+def test_numbers_beyond_a_float_are_refused_or_scaled() -> None:
+    verdict = verdict_bytes(Verdict(((3, 0.5),), "", 0)).replace(b"0.5", b"9" * 400)
+    assert refused(verdict_from_bytes, verdict)
+    up = problem_bytes(PROBLEM).replace(b"[0.0,0.0,1.0]", b"[3e300,0,4e300]", 1)
+    assert refused(problem_from_bytes, up) is False
+    assert problem_from_bytes(up).up_world.tolist() == pytest.approx([0.6, 0.0, 0.8])
+
+
 @pytest.mark.parametrize("header", [b"\xdd", b"\xdf"])
 def test_nested_headers_cannot_multiply(header: bytes, traced: None) -> None:
     """Lists of lists, each announcing all the limit allows, reserve memory at every level."""

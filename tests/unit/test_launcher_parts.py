@@ -13,6 +13,7 @@ from sceneq_tools.log_tail import LogTail, last_line
 from sceneq_tools.story import Exit, change, exit_in
 from sceneq_tools.supervision import Process
 from sceneq_tools.supervisor_config import render
+from sceneq_tools.troubles import Troubles
 
 
 def parsed(*nodes: GraphNode, folder: str = "/run/x") -> configparser.ConfigParser:
@@ -123,6 +124,23 @@ def test_the_last_line_is_the_last_with_text(tmp_path: Path) -> None:
     assert last_line(path) == ""
     path.write_text("Traceback\n  deep\nRuntimeError: a bug\n\n")
     assert last_line(path) == "RuntimeError: a bug"
+
+
+def test_warnings_are_forwarded_without_flooding(tmp_path: Path) -> None:
+    stream = io.StringIO()
+    troubles = Troubles(tmp_path, ["views"], Console(stream))
+    lines = [f"2026-11-22 05:45:20,1 WARNING views: frame {n}: skipped\n" for n in range(100, 106)]
+    (tmp_path / "views.log").write_text(
+        "2026-11-22 05:45:19,1 INFO views: ready\n" + "".join(lines) + "x ERROR views: lost\n"
+    )
+    troubles.forward()
+    troubles.close()
+    assert [line[22:] for line in stream.getvalue().splitlines()] == [
+        "WARNING frame 100: skipped",
+        "WARNING frame 101: skipped (2 like this)",
+        "WARNING frame 103: skipped (4 like this)",
+        "ERROR lost",
+    ]
 
 
 def test_an_event_is_one_line_without_colours_off_a_terminal() -> None:

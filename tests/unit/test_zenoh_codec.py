@@ -47,15 +47,17 @@ def test_an_answer_is_a_table_in_either_format() -> None:
 def test_other_json_is_named_values() -> None:
     body = {"node": "a", "inbox": {"x": 1}, "alive": ["a", "b"], "topics": [{"n": 1, "m": "t"}]}
     assert decode("sceneq/health/a", json.dumps(body).encode()) == (
-        'node: a\ninbox:\n  x: 1\nalive: ["a", "b"]\ntopics: 1\n  - n 1, m t'
+        "sceneq/health/a\n  node: a\n  inbox:\n    x: 1\n"
+        '  alive: ["a", "b"]\n  topics: 1\n    - n 1, m t'
     )
 
 
 def test_a_typed_message_shows_its_fields() -> None:
     pose = Pose(7, 123, np.eye(4), "given", True)
     assert decode(POSE.key(robot="r"), encode_message(pose)) == (
-        "seq: 7\nstamp_ns: 123\nT_world_camera: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], "
-        "[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]\nsource: given\nkeyframe: true"
+        "sceneq/pose/r/v1\n  seq: 7\n  stamp_ns: 123\n"
+        "  T_world_camera: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], "
+        "[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]\n  source: given\n  keyframe: true"
     )
 
 

@@ -1,0 +1,68 @@
+"""The descriptors as readers know them: numbers every change, answers for the whole."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from threading import Lock
+
+import numpy as np
+
+from sceneq_nodes._bus import Reply, Request
+from sceneq_nodes._wire import to_bytes
+from sceneq_schemas.feature import Descriptor, FeatureDelta
+from sceneq_schemas.topics import FEATURE_SNAPSHOT
+
+
+class FeatureJournal:
+    """Written by the node, read from any thread.
+
+    ``epoch`` names this run of the writer; ``seq`` counts its deltas from 1.
+    """
+
+    def __init__(self, epoch: int, model_id: str) -> None:
+        self._lock = Lock()
+        self._descriptors: dict[int, Descriptor] = {}
+        self._last = FeatureDelta(
+            epoch=epoch,
+            seq=0,
+            full=True,
+            frame_seq=-1,
+            stamp_ns=0,
+            model_id=model_id,
+            descriptors=(),
+            removed=np.zeros(0, np.int32),
+        )
+
+    def __len__(self) -> int:
+        return len(self._descriptors)
+
+    def __contains__(self, instance_id: int) -> bool:
+        return instance_id in self._descriptors
+
+    def write(
+        self, changed: Iterable[Descriptor], removed: Iterable[int], frame_seq: int, stamp_ns: int
+    ) -> FeatureDelta:
+        """Return the next delta; ``frame_seq`` is the newest keyframe its views were chosen of."""
+        with self._lock:
+            self._last = replace(
+                self._last,
+                seq=self._last.seq + 1,
+                full=False,
+                frame_seq=frame_seq,
+                stamp_ns=stamp_ns,
+                descriptors=tuple(changed),
+                removed=np.array(sorted(removed), np.int32),
+            )
+            for instance_id in self._last.removed.tolist():
+                self._descriptors.pop(instance_id, None)
+            self._descriptors |= {one.instance_id: one for one in self._last.descriptors}
+            return self._last
+
+    def snapshot(self) -> FeatureDelta:
+        """Return every descriptor as of the last delta."""
+        with self._lock:
+            whole = tuple(self._descriptors[i] for i in sorted(self._descriptors))
+            return replace(self._last, full=True, descriptors=whole, removed=np.zeros(0, np.int32))
+
+    def answer(self, request: Request) -> Reply:
+        """Answer a request for the snapshot."""
+        return Reply(to_bytes(FEATURE_SNAPSHOT, self.snapshot()), FEATURE_SNAPSHOT.encoding)

@@ -1,0 +1,149 @@
+"""Describes every instance by the crops of its best views.
+
+Reads   sceneq/view/<scene>/delta/v1 (state, healed from its snapshot); pictures of keyframes from
+        sceneq/view/<scene>/@image/v1.
+Writes  sceneq/feat/<scene>/<model>/delta/v1, one instance at a time: epoch = start time in ns.
+Serves  sceneq/feat/<scene>/<model>/@snapshot/v1: all descriptors as one message.
+Rate    as fast as the encoder, at lower priority than the mapping. At most one view set waits for
+        each instance, the latest; the last descriptor depends on the last view set only.
+Bad     a view without picture is skipped (``images_gone``, ``images_bad``), an instance without
+        any keeps its old descriptor (``instances_unseen``); a view set that does not decode is
+        skipped (``view_sets_bad``). While nobody answers for pictures the instances wait.
+"""
+
+import logging
+import os
+import time
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+
+from sceneq_core.encoding.describe import DescribeParams, Describer
+from sceneq_core.encoding.encoder import Encoder
+from sceneq_core.encoding.pending import Pending
+from sceneq_core.views.view import ViewSet
+from sceneq_nodes._backends import build
+from sceneq_nodes._bus import Bus, Context, Received
+from sceneq_nodes._convert import view_set_from_message
+from sceneq_nodes._feature_journal import FeatureJournal
+from sceneq_nodes._follow import Follower
+from sceneq_nodes._keyframes import Keyframes, UnreachableError
+from sceneq_schemas.errors import DecodeError
+from sceneq_schemas.feature import Descriptor
+from sceneq_schemas.topics import FEATURE_DELTA, FEATURE_SNAPSHOT, VIEW_DELTA, VIEW_SNAPSHOT
+from sceneq_schemas.view import ViewDelta
+from sceneq_schemas.view import ViewSet as ViewSetMessage
+
+log = logging.getLogger(__name__)
+
+PATIENCE_S = 1.0
+"""How long to wait before asking again for pictures that nobody answered for."""
+
+
+@dataclass(frozen=True, slots=True)
+class EncodingParams:
+    """``encoder``: kind and parameters of the backend; ``pictures`` to remember; ``nice``: how
+    much this process yields to the others (0 to 19), so that the mapping keeps up.
+    """
+
+    encoder: dict[str, Any] = field(default_factory=lambda: {"kind": "conse"})
+    describe: DescribeParams = field(default_factory=DescribeParams)
+    pictures: int = 32
+    nice: int = 5
+
+    def __post_init__(self) -> None:
+        if self.pictures < 1:
+            raise ValueError(f"pictures: must be at least 1, got {self.pictures}")
+        if not 0 <= self.nice <= 19:
+            raise ValueError(f"nice: {self.nice} is not in [0, 19]")
+
+
+class Encoding:
+    """Follows the view sets of one scene and describes one instance whenever it is idle."""
+
+    Params: ClassVar[type] = EncodingParams
+    idle_s: ClassVar[float] = 0.02
+
+    def __init__(self, params: EncodingParams, context: Context) -> None:
+        self._params = params
+        self._context = context
+        self._pending = Pending()
+        self._latest = (-1, 0)
+        self._resume_s = 0.0
+
+    def open(self, bus: Bus) -> None:
+        """Build the encoder, serve the descriptors and follow the view sets."""
+        os.nice(self._params.nice)
+        self._bus, scene = bus, self._context.scene
+        encoder: Encoder = build("encoder", self._params.encoder, ("encoder",))
+        self._model = encoder.model_id
+        self._describer = Describer(encoder, self._params.describe)
+        self._keyframes = Keyframes(bus, scene, self._params.pictures)
+        self._journal = FeatureJournal(time.time_ns(), self._model)
+        bus.serve(FEATURE_SNAPSHOT, self._journal.answer, scene=scene, model=self._model)
+        self._views = Follower(bus, VIEW_DELTA, VIEW_SNAPSHOT, self._follow, scene=scene)
+        self._views.open()
+
+    def step(self, received: Received | None) -> None:
+        """Take over changed view sets; when there are none, describe the next instance."""
+        if received is not None:
+            self._views.offer(received.message)
+            return
+        self._views.tick()
+        if time.monotonic() >= self._resume_s:
+            self._describe_next()
+
+    def close(self) -> None:
+        """Nothing to release."""
+
+    def _follow(self, delta: ViewDelta) -> None:
+        self._latest = (delta.frame_seq, delta.stamp_ns)
+        gone = {one.instance_id for one in delta.view_sets if not one.views}
+        if delta.full:
+            gone |= self._pending.instances() - {one.instance_id for one in delta.view_sets}
+        for instance_id in gone:
+            self._pending.forget(instance_id)
+        for message in delta.view_sets:
+            if message.views:
+                self._wait(message)
+        if removed := [instance_id for instance_id in gone if instance_id in self._journal]:
+            self._publish([], removed)
+
+    def _wait(self, message: ViewSetMessage) -> None:
+        try:
+            self._pending.put(view_set_from_message(message))
+        except DecodeError as error:
+            self._bus.count("view_sets_bad")
+            log.warning("views of instance %d skipped: %s", message.instance_id, error)
+
+    def _describe_next(self) -> None:
+        view_set = self._pending.take()
+        if view_set is None:
+            return
+        try:
+            self._describe(view_set)
+        except UnreachableError as error:
+            self._bus.count("pictures_unreachable")
+            log.warning("instance %d waits: %s", view_set.instance_id, error)
+            self._pending.put(view_set)
+            self._resume_s = time.monotonic() + PATIENCE_S
+
+    def _describe(self, view_set: ViewSet) -> None:
+        description = self._describer.describe(view_set, self._keyframes.image)
+        if description is None:
+            self._bus.count("instances_unseen")
+            return
+        self._bus.count("instances_described")
+        descriptor = Descriptor(
+            instance_id=view_set.instance_id,
+            view_seq=np.array(description.view_seq, np.int64),
+            descriptor=description.descriptor,
+            feature=description.feature,
+        )
+        self._publish([descriptor], [])
+
+    def _publish(self, changed: list[Descriptor], removed: list[int]) -> None:
+        delta = self._journal.write(changed, removed, *self._latest)
+        self._bus.publish(FEATURE_DELTA, delta, scene=self._context.scene, model=self._model)
+        self._bus.report(described=len(self._journal), waiting=len(self._pending))

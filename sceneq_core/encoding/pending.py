@@ -1,0 +1,60 @@
+"""Which instance to describe next when there is not time for all of them."""
+
+from collections.abc import Iterator
+
+from sceneq_core.views.view import View, ViewSet
+
+ViewKey = tuple[int, int, bytes]
+
+
+class Pending:
+    """View sets that wait to be described: at most one for each instance, the latest.
+
+    Never described instances come first, then the one of which most views are new; equals in the
+    order of their ids.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: dict[int, ViewSet] = {}
+        self._described: dict[int, frozenset[ViewKey]] = {}
+
+    def __len__(self) -> int:
+        return len(self._waiting)
+
+    def put(self, view_set: ViewSet) -> None:
+        """Let ``view_set`` wait in place of an older one of its instance."""
+        self._waiting[view_set.instance_id] = view_set
+
+    def take(self) -> ViewSet | None:
+        """Return the most urgent view set, which then counts as described."""
+        if not self._waiting:
+            return None
+        instance_id = min(self._waiting, key=self._urgency)
+        view_set = self._waiting.pop(instance_id)
+        self._described[instance_id] = frozenset(_keys(view_set))
+        return view_set
+
+    def forget(self, instance_id: int) -> None:
+        """Drop an instance that is gone."""
+        self._waiting.pop(instance_id, None)
+        self._described.pop(instance_id, None)
+
+    def instances(self) -> set[int]:
+        """Return the ids that wait or were described."""
+        return self._waiting.keys() | self._described.keys()
+
+    def _urgency(self, instance_id: int) -> tuple[bool, int, int]:
+        described = self._described.get(instance_id)
+        new = sum(
+            described is None or key not in described for key in _keys(self._waiting[instance_id])
+        )
+        return described is not None, -new, instance_id
+
+
+def _keys(view_set: ViewSet) -> Iterator[ViewKey]:
+    return (view_key(view) for view in view_set.views)
+
+
+def view_key(view: View) -> ViewKey:
+    """Return what tells one look at an object from another: keyframe and box."""
+    return view.seq, view.stamp_ns, view.box_xyxy.tobytes()

@@ -1,0 +1,50 @@
+"""Planes in a depth image: affine functions of the pixel in inverse depth."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sceneq_core.arrays import Array, Bool, Float32, Float64
+
+_REFITS = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Plane:
+    """closeness = coefficients . (u, v, 1), in 1/m with u, v in pixels."""
+
+    coefficients: Float64
+
+    def residual(self, closeness: Float32) -> Float32:
+        """Return closeness minus the plane's, (h, w): positive is in front, towards the camera."""
+        a, b, c = self.coefficients
+        v, u = np.arange(closeness.shape[0])[:, None], np.arange(closeness.shape[1])[None]
+        return np.asarray(closeness - (a * u + b * v + c), np.float32)
+
+
+def fitted_plane(closeness: Float32, where: Bool, noise: float) -> tuple[Plane, Bool] | None:
+    """Return the plane most of ``where`` lies on and its inliers there, or ``None``.
+
+    Least squares, then refitted to the pixels near the plane within ever fewer times the
+    ``noise`` (1/m): deterministic, and enough where one surface dominates.
+    """
+    v, u = np.nonzero(where)
+    values = closeness[v, u].astype(np.float64)
+    design = np.stack([u, v, np.ones_like(u)], axis=1).astype(np.float64)
+    keep = np.ones(len(u), bool)
+    for width in np.geomspace(24, 3, _REFITS):
+        if keep.sum() < max(12, 0.3 * len(u)):
+            return None
+        coefficients = _solve(design[keep], values[keep])
+        keep = np.abs(values - design @ coefficients) < width * noise
+    if keep.sum() < 0.3 * len(u):
+        return None
+    inliers = np.zeros(where.shape, bool)
+    inliers[v[keep], u[keep]] = True
+    return Plane(coefficients), inliers
+
+
+def _solve(design: Array, values: Array) -> Float64:
+    """Return the least-squares solution; the ridge keeps collinear pixels solvable."""
+    normal = design.T @ design + 1e-9 * np.eye(3)
+    return np.asarray(np.linalg.solve(normal, design.T @ values))

@@ -1,0 +1,119 @@
+"""Where a depth image is smooth, where it jumps and where it folds inwards."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from sceneq_core.arrays import Array, Bool, Float32
+from sceneq_core.segmentation.working_image import WorkingImage
+
+_SLOPE_BASE_PX = 2
+_FOLD_BASE_PX = 3
+_CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
+_NEAR = np.ones((7, 7), np.uint8)
+_FAR_AWAY = np.float32(1e6)
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """The visible surface of a working image.
+
+    Attributes:
+        closeness: float32 (h, w), 1/m, denoised, 0 = no measurement.
+        normals_camera: float32 (h, w, 3), unit, towards the camera.
+        steps: bool (h, w), beside a depth discontinuity.
+        creases: bool (h, w), on a concave fold, such as where an object stands on a table.
+    """
+
+    closeness: Float32
+    normals_camera: Float32
+    steps: Bool
+    creases: Bool
+
+
+def surface_of(image: WorkingImage, noise: float, min_fold_deg: float) -> Surface:
+    """Return the surface of ``image``; ``noise`` is the depth error in 1/m."""
+    closeness = cv2.bilateralFilter(image.closeness, 7, 4 * noise, 2.0)
+    closeness[~image.measured] = 0
+    slopes = _slopes(closeness)
+    steps = _steps(closeness, slopes, 6 * noise)
+    smooth = image.measured & ~steps
+    slopes = [_smoothed(slope, smooth) for slope in slopes]
+    normals = _normals(closeness, slopes, image)
+    creases = _creases(closeness, normals, smooth, image, min_fold_deg)
+    return Surface(closeness, normals, steps, creases)
+
+
+def rays(image: WorkingImage) -> tuple[Float32, Float32]:
+    """Return the camera rays' x (1, w) and y (h, 1) at depth 1."""
+    height, width = image.closeness.shape
+    x = (np.arange(width) - image.K[0, 2]) / image.K[0, 0]
+    y = (np.arange(height) - image.K[1, 2]) / image.K[1, 1]
+    return x[None].astype(np.float32), y[:, None].astype(np.float32)
+
+
+def _slopes(closeness: Float32) -> list[Float32]:
+    """Return the change per pixel along x and y, (h, w) each."""
+    base = _SLOPE_BASE_PX
+    wide = cv2.copyMakeBorder(closeness, base, base, base, base, cv2.BORDER_REPLICATE)
+    along_x = wide[base:-base, 2 * base :] - wide[base:-base, : -2 * base]
+    along_y = wide[2 * base :, base:-base] - wide[: -2 * base, base:-base]
+    return [along_x / (2 * base), along_y / (2 * base)]
+
+
+def _steps(closeness: Float32, slopes: list[Float32], threshold: float) -> Bool:
+    """Return where the change over a pixel exceeds what the slope of the neighbourhood explains.
+
+    The slope is the least one nearby, because at the step itself it is contaminated by the step.
+    """
+    highest = cv2.dilate(closeness, _CROSS)
+    lowest = cv2.erode(np.where(closeness > 0, closeness, _FAR_AWAY), _CROSS)
+    steepest = np.maximum(np.abs(slopes[0]), np.abs(slopes[1]))
+    explained = 2 * cv2.erode(steepest, _NEAR)
+    return np.asarray((highest - lowest - explained > threshold) & (closeness > 0))
+
+
+def _smoothed(values: Float32, where: Bool) -> Float32:
+    """Return the 5 x 5 mean of ``values`` over the pixels of ``where``."""
+    weight = cv2.blur(where.astype(np.float32), (5, 5))
+    return np.asarray(cv2.blur(values * where, (5, 5)) / np.maximum(weight, 1e-6))
+
+
+def _normals(closeness: Float32, slopes: list[Float32], image: WorkingImage) -> Float32:
+    """Return unit normals: the plane n . p = 1 has closeness n . (x, y, 1) along the ray."""
+    x, y = rays(image)
+    n_x = slopes[0] * np.float32(image.K[0, 0])
+    n_y = slopes[1] * np.float32(image.K[1, 1])
+    away = np.stack([n_x, n_y, closeness - n_x * x - n_y * y], axis=2)
+    length = np.sqrt(np.einsum("hwc,hwc->hw", away, away))
+    return np.asarray(-away / np.maximum(length, 1e-9)[..., None])
+
+
+def _creases(
+    closeness: Float32, normals: Float32, smooth: Bool, image: WorkingImage, min_fold_deg: float
+) -> Bool:
+    """Return where the normals on both sides lean towards each other by ``min_fold_deg``."""
+    depth = np.where(closeness > 0, 1 / np.maximum(closeness, 1e-6), 0)
+    x, y = rays(image)
+    points = np.stack([x * depth, y * depth, depth], axis=2)
+    creases = np.zeros(closeness.shape, bool)
+    for axis in (0, 1):
+        if closeness.shape[axis] > 2 * _FOLD_BASE_PX:
+            creases |= _folds(points, normals, smooth, axis, float(np.deg2rad(min_fold_deg)))
+    return creases
+
+
+def _folds(points: Array, normals: Array, smooth: Bool, axis: int, min_fold: float) -> Bool:
+    base = _FOLD_BASE_PX
+    before, after, middle = (
+        (slice(None),) * axis + (part,)
+        for part in (slice(None, -2 * base), slice(2 * base, None), slice(base, -base))
+    )
+    turn = normals[after] - normals[before]
+    across = points[after] - points[before]
+    leaning = np.einsum("hwc,hwc->hw", turn, across) < 0
+    wide = np.einsum("hwc,hwc->hw", turn, turn) > (2 * np.sin(min_fold / 2)) ** 2
+    folds = np.zeros(smooth.shape, bool)
+    folds[middle] = leaning & wide & smooth[before] & smooth[after]
+    return folds
