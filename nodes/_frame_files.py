@@ -11,6 +11,8 @@ from sceneq_nodes import _image_file
 
 NAME = re.compile(r"frame-(\d+)\.(color\.jpe?g|color\.png|depth\.png|pose\.txt)")
 
+USUAL = {"color": "color.jpg", "depth": "depth.png", "pose": "pose.txt"}
+
 
 class BadFileError(Exception):
     """A file of one frame that cannot be used."""
@@ -44,7 +46,8 @@ class FrameFiles:
 
     def path(self, number: int, part: str) -> Path:
         """Return the file of one part of a frame, there or not."""
-        return self._paths.get((number, part), self._folder / f"frame-{number:06d}.{part}")
+        usual = self._folder / f"frame-{number:06d}.{USUAL[part]}"
+        return self._paths.get((number, part), usual)
 
     def image(self, number: int, part: str) -> tuple[bytes, tuple[int, int]]:
         """Return the bytes of a complete image file and its (width, height)."""

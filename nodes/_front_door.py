@@ -6,11 +6,12 @@ from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from sceneq_core.mapping.delta import Instance
 from sceneq_core.reasoning.reasoner import Problem, Verdict
 from sceneq_core.routing.answer import Answer
 from sceneq_core.routing.question import Question
 from sceneq_core.routing.router import MAX_MATCHES, Routed, Router
-from sceneq_core.routing.scene import SceneSnapshot
+from sceneq_core.routing.scene import SceneInstance, SceneSnapshot
 from sceneq_nodes._answer_json import (
     Json,
     Stamp,
@@ -168,14 +169,21 @@ class FrontDoor:
         return reply(body, "answer", ask.fmt)
 
     def _listing(self, ask: Ask, look: Look, watch: "Stopwatch") -> Json:
-        snapshot, stamp = look.snapshot, self._stamp(look, watch)
-        if ask.instance_id is not None:
-            rows = [self._row(look, ask.instance_id)]
+        snapshot = look.snapshot
+        known: dict[int, SceneInstance | Instance] = {}
+        known |= {one.instance_id: one for one in snapshot.waiting}
+        known |= {one.instance_id: one for one in snapshot.instances}
+        if ask.instance_id is None:
+            behind = [key for key in sorted(known) if key > ask.after]
+            listed = behind[: min(ask.k or DEFAULT_K, MAX_LISTED)]
+        elif ask.instance_id in known:
+            listed = [ask.instance_id]
         else:
-            behind = (i for i, one in enumerate(snapshot.instances) if one.instance_id > ask.after)
-            rows = list(behind)[: min(ask.k or DEFAULT_K, MAX_LISTED)]
-        listed = [snapshot.instances[row] for row in rows]
-        return {**listing_json(listed, snapshot.revision, stamp), "count": len(snapshot)}
+            raise self._no_such(ask.instance_id)
+        body = listing_json(
+            [known[key] for key in listed], snapshot.revision, self._stamp(look, watch)
+        )
+        return {**body, "count": len(known)}
 
     def _overview(self, look: Look) -> Json:
         return {
@@ -203,9 +211,12 @@ class FrontDoor:
     def _row(self, look: Look, instance_id: int) -> int:
         row = look.snapshot.find(instance_id)
         if row is None:
-            hint = f"list them: sceneq/query/{self._scene}/instances?k=100"
-            raise QueryError("not_found", f"there is no instance {instance_id}", hint)
+            raise self._no_such(instance_id)
         return row
+
+    def _no_such(self, instance_id: int) -> QueryError:
+        hint = f"list them: sceneq/query/{self._scene}/instances?k=100"
+        return QueryError("not_found", f"there is no such instance: {instance_id}", hint)
 
     def _stamp(self, look: Look, watch: "Stopwatch") -> Stamp:
         return Stamp(

@@ -50,9 +50,10 @@ class Keyframes:
         except QueryError as error:
             if error.code != "not_found":
                 raise UnreachableError(str(error)) from error
-            return self._skip("images_gone", seq, error)
+            self._skip("images_gone", seq, error)
         except ValueError as error:
-            return self._skip("images_bad", seq, error)
+            self._skip("images_bad", seq, error)
+        return None
 
     def _ask(self, seq: int) -> Reply:
         replies = self._bus.ask(

@@ -74,7 +74,7 @@ class Encoding:
 
     def open(self, bus: Bus) -> None:
         """Build the encoder, serve the descriptors and follow the view sets."""
-        os.nice(self._params.nice)
+        _yield_to_others(self._params.nice)
         self._bus, scene = bus, self._context.scene
         encoder: Encoder = build("encoder", self._params.encoder, ("encoder",))
         self._model = encoder.model_id
@@ -109,6 +109,7 @@ class Encoding:
                 self._wait(message)
         if removed := [instance_id for instance_id in gone if instance_id in self._journal]:
             self._publish([], removed)
+        self._report()
 
     def _wait(self, message: ViewSetMessage) -> None:
         try:
@@ -128,9 +129,11 @@ class Encoding:
             log.warning("instance %d waits: %s", view_set.instance_id, error)
             self._pending.put(view_set)
             self._resume_s = time.monotonic() + PATIENCE_S
+        self._report()
 
     def _describe(self, view_set: ViewSet) -> None:
         description = self._describer.describe(view_set, self._keyframes.image)
+        self._pending.settle(view_set)
         if description is None:
             self._bus.count("instances_unseen")
             return
@@ -146,4 +149,12 @@ class Encoding:
     def _publish(self, changed: list[Descriptor], removed: list[int]) -> None:
         delta = self._journal.write(changed, removed, *self._latest)
         self._bus.publish(FEATURE_DELTA, delta, scene=self._context.scene, model=self._model)
-        self._bus.report(described=len(self._journal), waiting=len(self._pending))
+
+    def _report(self) -> None:
+        self._bus.report(described=len(self._journal), pending=len(self._pending))
+
+
+def _yield_to_others(nice: int) -> None:
+    """Lower the priority of this process to ``nice``, once, however often it is called."""
+    current = os.getpriority(os.PRIO_PROCESS, 0)
+    os.setpriority(os.PRIO_PROCESS, 0, max(current, nice))

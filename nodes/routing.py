@@ -19,7 +19,8 @@ import numpy as np
 from sceneq_core.encoding.encoder import Encoder
 from sceneq_core.mapping.delta import Instance
 from sceneq_core.reasoning.reasoner import Problem, Verdict
-from sceneq_core.routing.labels import Labeller, custom, named
+from sceneq_core.routing.labels import Labeller, LabelSet, custom, named
+from sceneq_core.routing.likelihood import FIXED_TEXTS
 from sceneq_core.routing.router import Router, RouterParams
 from sceneq_core.routing.scene import Revision, Scene, ViewRef
 from sceneq_nodes._answer_json import Json
@@ -28,6 +29,7 @@ from sceneq_nodes._bus import Bus, Context, QueryError, Received
 from sceneq_nodes._convert import map_delta_from_message
 from sceneq_nodes._follow import Follower
 from sceneq_nodes._front_door import FrontDoor, Look, ReasonerError
+from sceneq_nodes._known_texts import KnownTexts
 from sceneq_nodes._reason_json import problem_bytes, verdict_from_bytes
 from sceneq_schemas import topics
 from sceneq_schemas.errors import DecodeError
@@ -67,14 +69,14 @@ class Routing:
     def __init__(self, params: RoutingParams, context: Context) -> None:
         self._params = params
         self._context = context
+        self._warm = False
 
     def open(self, bus: Bus) -> None:
-        """Load the text tower, answer queries, then catch up with the scene."""
+        """Know the labels, answer queries, then catch up with the scene."""
         self._bus = bus
-        encoder: Encoder = build("encoder", self._params.encoder, ("encoder",))
-        label_set = (
-            custom(self._params.labels) if self._params.labels else named(self._params.label_set)
-        )
+        label_set = self._label_set()
+        self._encoder: Encoder = build("encoder", self._params.encoder, ("encoder",))
+        encoder = KnownTexts(self._encoder, (*label_set.labels, *FIXED_TEXTS))
         labeller = Labeller(label_set, encoder)
         self._model = encoder.model_id
         self._scene = Scene(labeller)
@@ -85,6 +87,7 @@ class Routing:
     def step(self, received: Received | None) -> None:
         """Take over one change; look for missed ones when idle."""
         if received is None:
+            self._warm_up()
             for follower in self._followers.values():
                 follower.tick()
         elif isinstance(received.message, Pose):
@@ -94,6 +97,16 @@ class Routing:
 
     def close(self) -> None:
         """Nothing to release."""
+
+    def _label_set(self) -> LabelSet:
+        labels = self._params.labels
+        return custom(labels) if labels else named(self._params.label_set)
+
+    def _warm_up(self) -> None:
+        """Load the text tower before the first question needs it."""
+        if not self._warm:
+            self._encoder.encode_texts(["hello"])
+            self._warm = True
 
     def _serve(self, router: Router) -> None:
         scene = self._context.scene

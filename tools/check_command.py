@@ -8,7 +8,7 @@ import typer
 
 def run(
     graph: Annotated[
-        Path | None, typer.Argument(metavar="[GRAPH.YAML]", help="Default: as for `sceneq up`.")
+        Path | None, typer.Argument(metavar="GRAPH.YAML", help="Default: as for `sceneq up`.")
     ] = None,
 ) -> None:
     """Check a graph file: every key, node kind and parameter, with line numbers."""

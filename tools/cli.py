@@ -2,7 +2,6 @@
 
 import sys
 from importlib import import_module
-from importlib.metadata import version
 from importlib.util import find_spec
 from typing import Annotated
 
@@ -47,6 +46,8 @@ def root(
 ) -> None:
     """Ask a robot's live 3D map of object instances questions, with evidence."""
     if show_version:
+        from importlib.metadata import version
+
         typer.echo(f"sceneq {version('sceneq')}")
         raise typer.Exit
     if context.invoked_subcommand is None:

@@ -1,5 +1,6 @@
 """Check every node of a graph against the class it names, without starting anything."""
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import is_dataclass
 from functools import partial
@@ -13,6 +14,8 @@ from sceneq_tools.graph_document import Document, KeyPath
 from sceneq_tools.graph_problem import ABSENT, GraphError, Problem
 
 MISSING = "missing key"
+OWN_CHECK = re.compile(r"Value error, (?:(?P<field>\w+): )?(?P<text>.*)", re.DOTALL)
+"""How pydantic tells what ``__post_init__`` said; ours name the field and the value."""
 SEAMS = BACKENDS.keys() - {"nodes"}
 
 
@@ -84,8 +87,9 @@ def _errors(
 
 
 def _problem(document: Document, error: ParamError) -> Problem:
-    path = error.path
-    value = ABSENT if error.message in (MISSING, "unknown key") else error.value
-    return Problem(
-        document.where(path), shown_path(document, path), error.message, value, error.hint
-    )
+    path, message, value = error.path, error.message, error.value
+    if found := OWN_CHECK.fullmatch(message):
+        path, message, value = (*path, *filter(None, [found["field"]])), found["text"], ABSENT
+    elif message in (MISSING, "unknown key"):
+        value = ABSENT
+    return Problem(document.where(path), shown_path(document, path), message, value, error.hint)

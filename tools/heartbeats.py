@@ -3,8 +3,9 @@
 import contextlib
 import json
 import queue
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from sceneq_schemas.topics import HEALTH
 
@@ -14,6 +15,17 @@ if TYPE_CHECKING:
 CONNECT_S = 1.0
 CAPACITY = 1024
 """More heartbeats than a minute of any graph; nobody drains: the rest is dropped."""
+
+
+@dataclass(frozen=True, slots=True)
+class Heartbeat:
+    """What the launcher needs of a health message; ``doing`` is the node's own word for it."""
+
+    node: str
+    pid: int
+    ready: bool
+    busy_s: float
+    doing: str
 
 
 class Heartbeats:
@@ -28,16 +40,12 @@ class Heartbeats:
         self._client: Client | None = None
         self._inbox: queue.Queue[tuple[str, bytes]] = queue.Queue(CAPACITY)
 
-    def drain(self) -> Iterator[tuple[str, Mapping[str, Any]]]:
-        """Yield (node, health) of what arrived; connects first, when that is still to do."""
+    def drain(self) -> Iterator[Heartbeat]:
+        """Yield what arrived; connects first, when that is still to do."""
         self._connect()
         while not self._inbox.empty():
-            key, payload = self._inbox.get()
-            ids = HEALTH.ids(key)
-            with contextlib.suppress(ValueError, RecursionError):  # not ours: no heartbeat
-                health = json.loads(payload)
-                if ids is not None and isinstance(health, dict):
-                    yield ids["node"], health
+            if (beat := heartbeat(*self._inbox.get())) is not None:
+                yield beat
 
     def close(self) -> None:
         """Leave the bus; the process would not end without it."""
@@ -56,3 +64,20 @@ class Heartbeats:
     def _put(self, key: str, encoding: str, payload: bytes) -> None:
         with contextlib.suppress(queue.Full):
             self._inbox.put_nowait((key, payload))
+
+
+def heartbeat(key: str, payload: bytes) -> Heartbeat | None:
+    """Return what a health message says; anything else on its key is no heartbeat."""
+    ids = HEALTH.ids(key)
+    try:
+        health = json.loads(payload)
+        values = health.get("values") or {}
+        return Heartbeat(
+            node=(ids or {})["node"],
+            pid=int(health["pid"]),
+            ready=health["state"] == "ready",
+            busy_s=float(health.get("busy_s", 0.0)),
+            doing=str(values.get("state", "")),
+        )
+    except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError):
+        return None

@@ -7,13 +7,12 @@ import threading
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from sceneq_tools.console import Console
 from sceneq_tools.errors import UserError
-from sceneq_tools.graph import ROUTER
+from sceneq_tools.graph import DEFAULT_ENDPOINT, ROUTER
 from sceneq_tools.graph_plan import Plan
-from sceneq_tools.heartbeats import Heartbeats
+from sceneq_tools.heartbeats import Heartbeat, Heartbeats
 from sceneq_tools.log_tail import LogTail, last_line
 from sceneq_tools.story import Exit, change, exit_in
 from sceneq_tools.supervision import EXITED, FATAL, STOPPED, Process, Supervisor
@@ -46,6 +45,7 @@ class Launcher:
         names = (ROUTER, *(node.id for node in plan.nodes))
         self._troubles = Troubles(logs, names, console)
         self._reports = LogTail(logs / "supervisord.log")
+        self._doing: dict[str, str] = {}
         self._exits: dict[str, int] = {}
         self._refused: set[str] = set()
         self._started_s = time.monotonic()
@@ -70,11 +70,11 @@ class Launcher:
             self._console.say("up", f"stopped, logs in {self._logs}")
 
     def _prepare(self) -> Supervisor:
-        folder = run_folder(self._plan.scene)
         try:
             self._logs.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise UserError(f"{self._logs}: {error.strerror} (say --log-dir FOLDER)") from error
+        folder = run_folder(self._plan.scene)
         graph = folder / "graph.json"
         graph.write_text(json.dumps(self._plan.as_json(), indent=2))
         conf = render(self._plan.nodes, folder, self._logs.resolve())
@@ -97,8 +97,8 @@ class Launcher:
                 self._follow(process)
             if (code := self._over(processes)) is not None:
                 return code
-            for name, health in self._heartbeats.drain():
-                self._hear(name, health)
+            for beat in self._heartbeats.drain():
+                self._hear(beat)
             self._kill_hung(supervisor)
         return 0
 
@@ -150,13 +150,16 @@ class Launcher:
         held = process.state == STOPPED and process.name in self._refused
         return held or process.state in (EXITED, FATAL)
 
-    def _hear(self, name: str, health: Mapping[str, Any]) -> None:
-        process = self._before.get(name)
-        if process is None or health.get("pid") != process.pid:
+    def _hear(self, beat: Heartbeat) -> None:
+        process = self._before.get(beat.node)
+        if process is None or beat.pid != process.pid:
             return  # the last words of a process that is gone, or another machine's node
-        if health.get("state") == "ready":
-            self._watchdog.beat(name, time.monotonic(), float(health.get("busy_s", 0.0)))
-            self._note_ready(name)
+        if beat.ready:
+            self._watchdog.beat(beat.node, time.monotonic(), beat.busy_s)
+            self._note_ready(beat.node)
+        if beat.doing != self._doing.get(beat.node, ""):
+            self._doing[beat.node] = beat.doing
+            self._console.say(beat.node, beat.doing)
 
     def _note_ready(self, name: str) -> None:
         if name in self._ready or name == ROUTER:
@@ -165,10 +168,18 @@ class Launcher:
         everybody = {node.id for node in self._plan.nodes}
         if self._ready == everybody and not everybody <= self._were_ready:
             took = time.monotonic() - self._started_s
-            self._console.say("up", f"all {len(everybody)} nodes ready after {took:.1f} s", "good")
+            who = f"all {len(everybody)} nodes are" if len(everybody) > 1 else f"{name} is"
+            self._console.say("up", f"{who} ready after {took:.1f} s", "good")
+            self._invite()
         elif name in self._were_ready:
             self._console.say(name, "ready again", "good")
         self._were_ready.add(name)
+
+    def _invite(self) -> None:
+        if any(node.node_kind == "routing" for node in self._plan.nodes):
+            elsewhere = self._plan.endpoint != DEFAULT_ENDPOINT
+            where = f" --connect {self._plan.endpoint}" if elsewhere else ""
+            self._console.say("up", f'from another shell: sceneq ask "red mug"{where}')
 
     def _kill_hung(self, supervisor: Supervisor) -> None:
         for name, reason in self._watchdog.hung(time.monotonic()).items():

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sceneq_tools.up_command import GraphFile, NoPoses, Scene, Segmenter, Step, source_overrides
+from sceneq_tools.up_command import NoPoses, Scene, Segmenter, Step, source_overrides
 
 if TYPE_CHECKING:
     from sceneq_tools.batch import Batch
@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 def run(
     source: Annotated[Path, typer.Argument(help="Folder of frames to read.")],
     out: Annotated[Path, typer.Argument(help="Folder to write into.")],
-    graph: GraphFile = None,
+    graph: Annotated[
+        Path | None, typer.Option(help="Default: ./graph.yaml, else the one in the package.")
+    ] = None,
     scene: Scene = None,
     step: Step = None,
     no_poses: NoPoses = False,

@@ -63,9 +63,8 @@ class Supervisor:
         Raises:
             UserError: it ended at once or does not answer.
         """
-        conf = str(self._folder / "supervisord.conf")
         self._child = subprocess.Popen(
-            [sys.executable, "-P", "-m", "sceneq_tools.lifeline", "-c", conf],
+            [sys.executable, "-P", "-m", "sceneq_tools.lifeline", str(self._folder)],
             stdin=subprocess.PIPE,
             env=self._environment,
             start_new_session=True,

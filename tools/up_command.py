@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 GraphFile = Annotated[
     Path | None,
     typer.Argument(
-        metavar="[GRAPH.YAML]", help="Default: ./graph.yaml, else the one in the package."
+        metavar="GRAPH.YAML", help="Default: ./graph.yaml, else the one in the package."
     ),
 ]
 Source = Annotated[Path | None, typer.Option(help="Folder of frames to read.")]
@@ -38,7 +38,7 @@ def run(
     no_poses: NoPoses = False,
     segmenter: Segmenter = None,
     only: Annotated[
-        list[str] | None, typer.Option(metavar="NODE", help="Only this node; repeat for more.")
+        list[str] | None, typer.Option(metavar="NODE,...", help="Only these; may be repeated.")
     ] = None,
     machine: Annotated[str, typer.Option(help="Run what is deployed to this machine.")] = "local",
     port: Annotated[
@@ -61,7 +61,8 @@ def run(
         overrides.append(Override("", ("router", "connect"), connect, "--connect"))
     loaded, document = load(graph or default_path(), overrides)
     check_nodes(loaded, document)
-    local = plan(loaded, document, machine, only or (), port)
+    names = [name for names in only or () for name in names.split(",")]
+    local = plan(loaded, document, machine, names, port)
     for endpoint in local.router.listen:
         need_free_port(endpoint)
     raise typer.Exit(_launch(local, log_dir))

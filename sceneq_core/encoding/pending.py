@@ -26,13 +26,14 @@ class Pending:
         self._waiting[view_set.instance_id] = view_set
 
     def take(self) -> ViewSet | None:
-        """Return the most urgent view set, which then counts as described."""
+        """Return the most urgent view set; it no longer waits."""
         if not self._waiting:
             return None
-        instance_id = min(self._waiting, key=self._urgency)
-        view_set = self._waiting.pop(instance_id)
-        self._described[instance_id] = frozenset(_keys(view_set))
-        return view_set
+        return self._waiting.pop(min(self._waiting, key=self._urgency))
+
+    def settle(self, view_set: ViewSet) -> None:
+        """Remember that ``view_set`` was described."""
+        self._described[view_set.instance_id] = frozenset(_keys(view_set))
 
     def forget(self, instance_id: int) -> None:
         """Drop an instance that is gone."""

@@ -104,8 +104,8 @@ def _smoothed_inverse(depth_m: Float32, valid: Bool, radius: int) -> tuple[Float
     """Return the inverse depth with holes filled, and its mean over the window (1/m)."""
     inverse = np.where(valid, 1.0 / np.maximum(depth_m, 1e-3), 0.0).astype(np.float32)
     size = (2 * radius + 1, 2 * radius + 1)
-    share = cv2.blur(valid.astype(np.float32), size)
-    mean = cv2.blur(inverse, size) / np.maximum(share, np.float32(1e-6))
+    share = np.maximum(cv2.blur(valid.astype(np.float32), size), 1e-6)
+    mean = (cv2.blur(inverse, size) / share).astype(np.float32)
     return np.where(valid, inverse, mean), mean
 
 

@@ -18,7 +18,7 @@ def pose_problem(
     phrase = question.phrase
     anchors = tuple(dict.fromkeys(c.anchor for c in phrase.constraints if c.anchor))
     chosen = [
-        _candidates(snapshot, "anchor", words, fits[words], fits[words].order[:top_k])
+        _candidates(snapshot, "anchor", words, fits[words], fits[words].order[:top_k].tolist())
         for words in anchors
     ]
     rows = _target_rows(snapshot, question, fits)[:top_k]
@@ -38,9 +38,10 @@ def _target_rows(snapshot: SceneSnapshot, question: Question, fits: Mapping[str,
     phrase = question.phrase
     anchor = next((c.anchor for c in phrase.constraints if c.anchor), "")
     if phrase.target or not anchor:
-        return fits[phrase.target].order
-    gaps = _gaps(snapshot, fits[anchor].order[0])
-    return [int(row) for row in np.argsort(gaps, kind="stable") if row != fits[anchor].order[0]]
+        return fits[phrase.target].order.tolist()
+    nearest_to = int(fits[anchor].order[0])
+    around = np.argsort(_gaps(snapshot, nearest_to), kind="stable").tolist()
+    return [row for row in around if row != nearest_to]
 
 
 def _gaps(snapshot: SceneSnapshot, row: int) -> Float64:

@@ -11,18 +11,18 @@ from sceneq_core.routing.likelihood import Fit
 class JudgeParams:
     """What a status needs, besides the gate.
 
-    ``min_presence``: probability of the words for the best instance, against the label set, that
-    ``found`` needs. ``absent_lift``: when that probability is below this multiple of chance, a
-    label picked blindly would fit better, and the thing is ``not_found``.
+    ``min_claim``: what ``found`` claims, that there is such a thing and that it is this one, must
+    be at least this probable. ``absent_lift``: when the words fit the best instance less than this
+    multiple of chance, a label picked blindly would fit better, and the thing is ``not_found``.
     """
 
     gate: GateParams = field(default_factory=GateParams)
-    min_presence: float = 0.3
+    min_claim: float = 0.5
     absent_lift: float = 1.0
 
     def __post_init__(self) -> None:
-        if not 0 <= self.min_presence <= 1:
-            raise ValueError(f"min_presence: {self.min_presence} is not in [0, 1]")
+        if not 0 <= self.min_claim <= 1:
+            raise ValueError(f"min_claim: {self.min_claim} is not in [0, 1]")
         if not self.absent_lift >= 0:
             raise ValueError(f"absent_lift: {self.absent_lift} is negative")
 
@@ -38,13 +38,13 @@ class Judge:
         self.params = params
         self._gate = Gate(params.gate)
 
-    def knows(self, fit: Fit) -> bool:
-        """Return whether there surely is such a thing."""
-        return fit.presence >= self.params.min_presence
-
     def accepts(self, confidence: Confidence) -> bool:
         """Return whether the gate lets the first guess pass."""
         return self._gate.accepts(confidence)
+
+    def claims(self, presence: float, p: float = 1.0) -> bool:
+        """Return whether something that is there with ``presence`` and meant with ``p`` is sure."""
+        return presence * p >= self.params.min_claim
 
     def absent(self, fit: Fit) -> bool:
         """Return whether there surely is no such thing."""
@@ -56,7 +56,7 @@ class Judge:
             return NOT_FOUND, absence(words)
         if not self.accepts(confidence):
             return AMBIGUOUS, hesitation(confidence)
-        if not self.knows(fit):
+        if not self.claims(fit.presence, confidence.p_max):
             return AMBIGUOUS, (
                 f"one instance stands out, but is '{words}' only with p {fit.presence:.2f}"
             )

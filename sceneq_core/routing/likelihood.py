@@ -1,16 +1,16 @@
-"""How probable words are for each instance, with the label set as what it could be instead.
+"""How well words fit each instance: which one is meant, and is there such a thing at all?
 
-An instance whose descriptor is close to every text (a wall, a blurred crop) would win every
-question on the cosine alone. Here the words compete with the label set for each instance, so such
-an instance has little to give to any of them. Over instances, p(instance | words) is proportional
-to this p(words | instance).
+Which one: s_i = cos(instance_i, words), p = softmax(s / T) over the instances. The instance's mean
+cosine with the label set is taken from s_i: a descriptor that is close to every text (a wall, a
+blurred crop) would else win every question.
+Is there such a thing: for each instance the words compete with the label set.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from sceneq_core.arrays import Float32, Float64
+from sceneq_core.arrays import Float32, Float64, Int64
 from sceneq_core.encoding.colour import COLOUR_TERMS
 from sceneq_core.routing.gate import log_softmax
 from sceneq_core.routing.question import TextTower, Wanted
@@ -22,35 +22,29 @@ VAGUE = ("object", "things", "stuff", "texture")
 J. Kerr et al., LERF, ICCV 2023, DOI 10.1109/ICCV51070.2023.01807, calls them canonical phrases.
 """
 
+FIXED_TEXTS = (*COLOUR_TERMS, *VAGUE)
+"""What is encoded once, whatever the questions."""
+
+
+LOOKED_AT = 10
+"""Of how many best instances the presence is worked out: p(words | instance) of the others, which
+nobody would be shown first, is not worth their softmax over the label set."""
+
 
 @dataclass(frozen=True, slots=True)
 class Fit:
     """How words fit the N instances of a snapshot.
 
-    ``likelihood`` (N,) is p(words | instance), ``cosine`` (N,) the mean cosine with the words,
-    ``chance`` the likelihood if the encoder knew nothing.
+    ``p`` (N,) is the probability that an instance is meant, given that one is; ``cosine`` (N,) the
+    mean cosine with the words; ``order`` (N,) the rows, best first. ``presence`` is the highest
+    p(words | instance) of the best ones, ``chance`` what it would be if the encoder knew nothing.
     """
 
-    likelihood: Float64
+    p: Float64
     cosine: Float64
+    order: Int64
+    presence: float
     chance: float
-
-    @property
-    def p(self) -> Float64:
-        """Return p(instance | words) (N,), every instance equally probable beforehand."""
-        total = self.likelihood.sum()
-        uniform = np.full(len(self.cosine), 1.0 / max(1, len(self.cosine)))
-        return self.likelihood / total if total > 0 else uniform
-
-    @property
-    def presence(self) -> float:
-        """The likelihood of the best instance: is there such a thing at all?"""
-        return float(self.likelihood.max(initial=0.0))
-
-    @property
-    def order(self) -> list[int]:
-        """Rows, best first; equals by cosine, then by id."""
-        return [int(row) for row in np.lexsort((-self.cosine, -self.likelihood))]
 
 
 class Likelihood:
@@ -62,27 +56,38 @@ class Likelihood:
         self._temperature = temperature
 
     def fit(self, snapshot: SceneSnapshot, wanted: Wanted) -> Fit:
-        """Return how well the words fit every instance."""
-        rivals = np.column_stack(
-            [snapshot.label_scores[:, wanted.rivals], snapshot.descriptors @ self._vague_vectors.T]
-        )
-        noun = _noun_cosine(snapshot, wanted)
-        colour = snapshot.descriptors @ self._colour_vectors.T
+        """Return how well the words fit every instance; there must be at least one."""
         asked = list(wanted.colours)
-        log_p = self._log_p(np.column_stack([noun, rivals]))[:, 0]
-        log_p = log_p + self._log_p(colour)[:, asked].sum(axis=1)
+        noun, common = self._noun_cosine(snapshot, wanted)
+        colour = snapshot.descriptors @ self._colour_vectors.T
+        log_colour = self._log_p(colour)[:, asked].sum(axis=1)
+        log_fit = (noun - common).astype(np.float64) / self._temperature + log_colour
+        order = np.argsort(-log_fit, kind="stable")
+        best = order[:LOOKED_AT]
+        rivals = self._rivals(snapshot, wanted, best)
+        log_noun = self._log_p(np.column_stack([noun[best], rivals]))[:, 0]
         return Fit(
-            likelihood=np.exp(log_p),
+            p=np.exp(log_softmax(log_fit)),
             cosine=np.column_stack([noun, colour[:, asked]]).mean(axis=1).astype(np.float64),
+            order=order,
+            presence=float(np.exp(log_noun + log_colour[best]).max()),
             chance=1.0 / (1 + rivals.shape[1]) / len(COLOUR_TERMS) ** len(asked),
         )
+
+    def _rivals(self, snapshot: SceneSnapshot, wanted: Wanted, rows: Int64) -> Float32:
+        """Return the cosines of ``rows`` with everything the noun competes with."""
+        labels = snapshot.label_scores[rows][:, wanted.rivals]
+        return np.column_stack([labels, snapshot.descriptors[rows] @ self._vague_vectors.T])
 
     def _log_p(self, cosine: Float32) -> Float64:
         return log_softmax(cosine.astype(np.float64) / self._temperature)
 
+    def _noun_cosine(self, snapshot: SceneSnapshot, wanted: Wanted) -> tuple[Float32, Float32]:
+        """Return the cosines (N,) with the noun and, on average, with the label set.
 
-def _noun_cosine(snapshot: SceneSnapshot, wanted: Wanted) -> Float32:
-    """Return the cosine (N,) with the noun; "anything" is equally close to all."""
-    if wanted.vector is None:
-        return np.zeros(len(snapshot), np.float32)
-    return snapshot.descriptors @ wanted.vector
+        "Anything" is equally close to all.
+        """
+        if wanted.vector is None:
+            nothing = np.zeros(len(snapshot), np.float32)
+            return nothing, nothing
+        return snapshot.descriptors @ wanted.vector, snapshot.label_scores.mean(axis=1)

@@ -52,13 +52,13 @@ class RouterParams:
 class Routed:
     """The encoder's answer, whether it is ``enough``, and the problem for a reasoner if it is not.
 
-    ``known``: the encoder surely knows all the things that are spoken of. There is no problem in
-    an empty map.
+    ``presence`` is the least of all things that are spoken of, anchors included. There is no
+    problem in an empty map.
     """
 
     answer: Answer
     enough: bool
-    known: bool
+    presence: float
     problem: Problem | None
 
 
@@ -89,7 +89,7 @@ class Router:
     def answer(self, snapshot: SceneSnapshot, question: Question) -> Routed:
         """Answer from the descriptors, and say whether a reasoner should look at it."""
         if not len(snapshot):
-            return Routed(_empty(snapshot, question), enough=True, known=False, problem=None)
+            return Routed(_empty(snapshot, question), enough=True, presence=0.0, problem=None)
         fits = {words: self._fit(snapshot, question, words) for words in question.wanted}
         target = question.phrase.target
         confidence = Confidence.of(fits[target].p, self._temperature)
@@ -108,7 +108,7 @@ class Router:
         return Routed(
             answer=answer,
             enough=status != AMBIGUOUS,
-            known=all(self._judge.knows(fit) for fit in fits.values()),
+            presence=min(fit.presence for fit in fits.values()),
             problem=pose_problem(snapshot, question, fits, self.params.top_k),
         )
 
@@ -121,10 +121,12 @@ class Router:
         fast = routed.answer
         told = replace(fast, route=REASONED, reason=verdict.reason, vlm_calls=verdict.vlm_calls)
         if not verdict.ranking:
-            return replace(told, status=NOT_FOUND if routed.known else AMBIGUOUS)
+            sure = self._judge.claims(routed.presence)
+            return replace(told, status=NOT_FOUND if sure else AMBIGUOUS)
         confidence = Confidence.of(np.array([p for _, p in verdict.ranking]), self._temperature)
-        sure = routed.known and self._judge.accepts(confidence)
-        doubt = "" if routed.known else "; but the encoder is not sure that these are such things"
+        known = self._judge.claims(routed.presence, confidence.p_max)
+        sure = known and self._judge.accepts(confidence)
+        doubt = "" if known else "; but the encoder is not sure that these are such things"
         return replace(
             told,
             reason=verdict.reason + doubt,
@@ -188,7 +190,7 @@ def _matches(snapshot: SceneSnapshot, fit: Fit) -> tuple[Match, ...]:
     p = fit.p
     return tuple(
         Match(snapshot.instances[row], float(p[row]), float(fit.cosine[row]))
-        for row in fit.order[:MAX_MATCHES]
+        for row in fit.order[:MAX_MATCHES].tolist()
     )
 
 

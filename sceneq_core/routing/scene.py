@@ -49,7 +49,7 @@ class SceneSnapshot:
     """The instances that can be answered with, sorted by id, and their matrices.
 
     ``descriptors`` float32 (N, D) unit rows; ``label_scores`` float32 (N, C) cosines with the
-    label set; ``instance_count`` counts the map's instances, those not yet described included;
+    label set; ``waiting`` are the map's other instances, which have no descriptor or no view yet.
     ``viewpoint_world`` (3,) metres is the newest camera position, ``up_world`` (3,) unit.
     """
 
@@ -57,12 +57,17 @@ class SceneSnapshot:
     instances: tuple[SceneInstance, ...]
     descriptors: Float32
     label_scores: Float32
-    instance_count: int
+    waiting: tuple[Instance, ...]
     up_world: Float64
     viewpoint_world: Float64
 
     def __len__(self) -> int:
         return len(self.instances)
+
+    @property
+    def instance_count(self) -> int:
+        """How many instances the map has."""
+        return len(self.instances) + len(self.waiting)
 
     def find(self, instance_id: int) -> int | None:
         """Return the row of an instance, or ``None``."""
@@ -156,7 +161,7 @@ class Scene:
             ),
             descriptors=_rows([row.descriptor for row in rows], dim),
             label_scores=_rows([row.label_scores for row in rows], labels),
-            instance_count=len(self._geometry),
+            waiting=tuple(self._geometry[key] for key in sorted(self._geometry.keys() - set(ids))),
             up_world=self._up_world,
             viewpoint_world=self._viewpoint_world,
         )

@@ -6,7 +6,9 @@ import numpy as np
 from sceneq_core.arrays import Array, Bool, Float32, Int32
 from sceneq_core.segmentation.graph_segments import graph_segments
 
-_WHOLE_FILL = 0.75
+_WHOLE_FILL = 0.7
+_PART_SHARE = 0.2
+_BRIDGE = np.ones((3, 3), np.uint8)
 
 
 def flats_of(
@@ -23,12 +25,13 @@ def flats_of(
     things = np.zeros(domain.shape, np.int32)
     area = np.bincount(regions.reshape(-1))
     mean = _means(colour, regions, area)
-    _number(things, blank & (area[regions] >= min_pixels), regions)
+    _number(things, blank & (area[regions] >= min_pixels), regions, 0)
     for plane in np.unique(planes[planes > 0]):
         inside = domain == plane
         own = _own_colour(regions[inside], mean)
         strange = inside & (np.linalg.norm(mean - own, axis=1) > contrast)[regions]
-        _number(things, strange, _pieces(strange, regions, min_pixels))
+        pieces = _pieces(strange, colour, scale, min_pixels)
+        _number(things, inside & (pieces > 0), pieces, int(things.max()))
     return things
 
 
@@ -45,35 +48,37 @@ def _own_colour(regions: Array, mean: Array) -> Array:
     return own
 
 
-def _pieces(where: Bool, regions: Int32, min_pixels: int) -> Int32:
-    """Return pieces (0 = too small): a whole patch if it is box-like, else its colour regions.
+def _pieces(where: Bool, colour: Float32, scale: float, min_pixels: int) -> Int32:
+    """Return pieces (0 = too small): a whole patch if it is box-like, else its main colour parts.
 
     A printed page is many colours in one rectangle; pages that overlap make an odd outline.
     """
-    count, patches, stats, _ = cv2.connectedComponentsWithStats(where.astype(np.uint8))
     pieces = np.zeros(where.shape, np.int32)
-    for patch in range(1, count):
-        area = stats[patch, cv2.CC_STAT_AREA]
+    opened = cv2.morphologyEx(where.astype(np.uint8), cv2.MORPH_OPEN, _BRIDGE)
+    outlines, _ = cv2.findContours(opened, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    for outline in outlines:
+        left, top, width, height = cv2.boundingRect(outline)
+        patch = np.zeros((height, width), np.uint8)
+        cv2.drawContours(patch, [outline], -1, 1, cv2.FILLED, offset=(-left, -top))
+        area = int(patch.sum())
         if area < min_pixels:
             continue
-        inside = patches == patch
-        if _fill(inside) >= _WHOLE_FILL:
-            pieces[inside] = pieces.max() + 1
-        else:
-            _number(pieces, inside, regions + 1)
-    sizes = np.bincount(pieces.reshape(-1))
-    return np.where(sizes[pieces] >= min_pixels, pieces, 0).astype(np.int32)
+        window = np.s_[top : top + height, left : left + width]
+        parts = patch.astype(np.int32)
+        if area < _WHOLE_FILL * _box_area(outline):
+            smallest = max(min_pixels, round(_PART_SHARE * area))
+            parts = graph_segments(colour[window], parts - 1, scale, smallest) + 1
+        _number(pieces[window], (patch > 0) & (pieces[window] == 0), parts, int(pieces.max()))
+    return pieces
 
 
-def _fill(where: Bool) -> float:
-    """Return how much of its tightest rotated rectangle ``where`` fills, 0..1."""
-    v, u = np.nonzero(where)
-    _, (width, height), _ = cv2.minAreaRect(np.stack([u, v], axis=1).astype(np.float32))
-    return float(len(u) / ((width + 1) * (height + 1)))
+def _box_area(outline: Array) -> float:
+    """Return the pixels of the tightest rotated rectangle round ``outline``."""
+    _, (width, height), _ = cv2.minAreaRect(outline)
+    return float((width + 1) * (height + 1))
 
 
-def _number(things: Int32, where: Bool, ids: Array) -> None:
-    """Give every distinct id under ``where`` a new number in ``things``; 0 stays nothing."""
-    chosen = where if ids.min() > 0 else where & (ids > 0) if things.any() else where
-    _, number = np.unique(ids[chosen], return_inverse=True)
-    things[chosen] = number + 1 + things.max()
+def _number(things: Int32, where: Bool, ids: Int32, last: int) -> None:
+    """Give every distinct id under ``where`` a number after ``last`` in ``things``."""
+    _, number = np.unique(ids[where], return_inverse=True)
+    things[where] = number + 1 + last

@@ -21,6 +21,17 @@ class Plane:
         v, u = np.arange(closeness.shape[0])[:, None], np.arange(closeness.shape[1])[None]
         return np.asarray(closeness - (a * u + b * v + c), np.float32)
 
+    def normal_camera(self, K: Float64) -> Float64:
+        """Return n (3,) with n . p = 1 for points p of the plane, metres, camera frame."""
+        a, b, c = self.coefficients
+        return np.array([a * K[0, 0], b * K[1, 1], a * K[0, 2] + b * K[1, 2] + c])
+
+    def height_m(self, closeness: Float32, K: Float64) -> Float32:
+        """Return the distance from the plane, (h, w), positive in front; 0 without measurement."""
+        depth = np.where(closeness > 0, 1 / np.maximum(closeness, 1e-6), 0)
+        length = max(float(np.linalg.norm(self.normal_camera(K))), 1e-9)
+        return np.asarray(self.residual(closeness) * depth / length, np.float32)
+
 
 def fitted_plane(closeness: Float32, where: Bool, noise: float) -> tuple[Plane, Bool] | None:
     """Return the plane most of ``where`` lies on and its inliers there, or ``None``.

@@ -9,9 +9,11 @@ import numpy as np
 from sceneq_core.arrays import Bool, Int32, UInt16
 from sceneq_core.frame import Frame
 from sceneq_core.segmentation.flats import flats_of
-from sceneq_core.segmentation.solids import Solids, solids_of
+from sceneq_core.segmentation.solids import Limits, Solids, solids_of
 from sceneq_core.segmentation.surface import surface_of
 from sceneq_core.segmentation.working_image import enlarged, reduced
+
+_SLIVER = np.ones((5, 5), np.uint8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +26,7 @@ class RgbdParams:
             sensor; 0.0014 is the first Kinect's (K. Khoshelham, S. Oude Elberink 2012,
             doi:10.3390/s120201437: 1.4 mm at 1 m, growing with the square of depth).
         min_fold_deg: two surfaces that meet at a sharper concave angle are two things.
+        min_height_m: what stands less over its plane is seen by colour only: depth frays its edge.
         colour_scale: colour difference x pixels; larger means fewer flat things.
         contrast: CIELAB difference at which a patch on a plane is not the plane itself.
         min_share: a thing covers at least this share of the image.
@@ -33,13 +36,14 @@ class RgbdParams:
     width_px: int = 320
     depth_noise: float = 0.0014
     min_fold_deg: float = 25.0
+    min_height_m: float = 0.03
     colour_scale: float = 40.0
     contrast: float = 12.0
     min_share: float = 0.0008
     min_plane_share: float = 0.02
 
     def __post_init__(self) -> None:
-        for name in ("width_px", "depth_noise", "colour_scale", "contrast"):
+        for name in ("width_px", "depth_noise", "min_height_m", "colour_scale", "contrast"):
             if getattr(self, name) <= 0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
         if not 0 < self.min_fold_deg < 180:
@@ -63,12 +67,7 @@ class RgbdSegmenter:
         image = reduced(frame, params.width_px)
         min_pixels = max(12, round(params.min_share * image.closeness.size))
         surface = surface_of(image, params.depth_noise, params.min_fold_deg)
-        solids = solids_of(
-            surface,
-            params.depth_noise,
-            min_pixels=min_pixels,
-            min_plane_pixels=round(params.min_plane_share * image.closeness.size),
-        )
+        solids = solids_of(surface, self._limits(min_pixels, image.closeness.size))
         flats = flats_of(
             cv2.GaussianBlur(image.colour, (0, 0), 0.8),
             planes=solids.planes,
@@ -78,11 +77,35 @@ class RgbdSegmenter:
             min_pixels=min_pixels,
         )
         labels = np.where(flats > 0, flats + solids.labels.max(), solids.labels)
-        return np.ascontiguousarray(enlarged(_numbered(labels), frame.depth_m.shape))
+        return np.ascontiguousarray(enlarged(_numbered(_completed(labels)), frame.depth_m.shape))
+
+    def _limits(self, min_pixels: int, pixels: int) -> Limits:
+        params = self._params
+        return Limits(
+            noise=params.depth_noise,
+            height_m=params.min_height_m,
+            pixels=min_pixels,
+            plane_pixels=round(params.min_plane_share * pixels),
+        )
 
 
 def _blank(solids: Solids) -> Bool:
-    return np.asarray(solids.labels == 0)
+    """Return where no solid is; slivers along their outlines are left to ``_completed``."""
+    empty = (solids.labels == 0).astype(np.uint8)
+    return np.asarray(cv2.morphologyEx(empty, cv2.MORPH_OPEN, _SLIVER) > 0)
+
+
+def _completed(labels: Int32) -> Int32:
+    """Return ``labels`` with every unlabelled pixel near a segment given to the nearest one."""
+    if not labels.any():
+        return labels
+    empty = (labels == 0).astype(np.uint8)
+    distance, nearest = cv2.distanceTransformWithLabels(
+        empty, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    label_of = np.zeros(nearest.max() + 1, np.int32)
+    label_of[nearest[empty == 0]] = labels[empty == 0]
+    return np.where(distance <= _SLIVER.shape[0], label_of[nearest], 0).astype(np.int32)
 
 
 def _numbered(labels: Int32) -> UInt16:

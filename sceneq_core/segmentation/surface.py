@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import Array, Bool, Float32
+from sceneq_core.arrays import Array, Bool, Float32, Float64
 from sceneq_core.segmentation.working_image import WorkingImage
 
 _SLOPE_BASE_PX = 2
@@ -21,12 +21,14 @@ class Surface:
 
     Attributes:
         closeness: float32 (h, w), 1/m, denoised, 0 = no measurement.
+        K: float64 (3, 3), pixels.
         normals_camera: float32 (h, w, 3), unit, towards the camera.
         steps: bool (h, w), beside a depth discontinuity.
         creases: bool (h, w), on a concave fold, such as where an object stands on a table.
     """
 
     closeness: Float32
+    K: Float64
     normals_camera: Float32
     steps: Bool
     creases: Bool
@@ -42,7 +44,7 @@ def surface_of(image: WorkingImage, noise: float, min_fold_deg: float) -> Surfac
     slopes = [_smoothed(slope, smooth) for slope in slopes]
     normals = _normals(closeness, slopes, image)
     creases = _creases(closeness, normals, smooth, image, min_fold_deg)
-    return Surface(closeness, normals, steps, creases)
+    return Surface(closeness, image.K, normals, steps, creases)
 
 
 def rays(image: WorkingImage) -> tuple[Float32, Float32]:

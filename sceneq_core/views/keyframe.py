@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sceneq_core.arrays import Float64, Int32
+from sceneq_core.arrays import Bool, Float64, Int32
 from sceneq_core.frame import Frame
 from sceneq_core.views.jpeg import jpeg_from_rgb
 
+BLOCK_PLACES = 256
 EDGE_SAMPLES = 2
 """An instance so close to the last measured row or column counts as cut by it."""
 
@@ -18,7 +19,8 @@ class Keyframe:
 
     ``size`` (H, W) pixels; ``camera_world`` (3,) metres; ``place`` int32 (H/2, W/2) is what every
     second pixel of every second row shows, -1 = none; ``edge_place`` int32 are the places along
-    the border of what the depth camera saw, which may be less than the image.
+    the border of what the depth camera saw, which may be less than the image; ``block`` int32 are
+    the blocks of ``BLOCK_PLACES`` consecutive places it shows, a quick test before a close look.
     """
 
     seq: int
@@ -28,6 +30,23 @@ class Keyframe:
     camera_world: Float64
     place: Int32
     edge_place: Int32
+    block: Int32
+
+    def touched(self, changed: Bool, changed_block: Bool) -> Int32:
+        """Return the place of every pixel that shows a changed one, int32 (N,).
+
+        ``changed`` is by place, with a last entry for -1; ``changed_block`` sums it up by block.
+        """
+        if not changed_block[self.block].any():
+            return self.block[:0]
+        return self.place[changed[self.place]]
+
+
+def changed_blocks(changed: Bool) -> Bool:
+    """Return which blocks of ``BLOCK_PLACES`` hold a changed place."""
+    starts = np.arange(0, len(changed), BLOCK_PLACES)
+    blocks: Bool = np.logical_or.reduceat(changed, starts)
+    return blocks
 
 
 def make_keyframe(frame: Frame, place: Int32) -> Keyframe:
@@ -40,6 +59,7 @@ def make_keyframe(frame: Frame, place: Int32) -> Keyframe:
         camera_world=frame.T_world_camera[:3, 3].copy(),
         place=place,
         edge_place=_edge(place),
+        block=np.unique(place[place >= 0] // BLOCK_PLACES),
     )
 
 

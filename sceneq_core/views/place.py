@@ -8,7 +8,7 @@ voxels, superpoints and instances change around it.
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import Array, Float32, Float64, Int32
+from sceneq_core.arrays import Bool, Float32, Float64, Int32, Int64
 from sceneq_core.frame import Frame
 from sceneq_core.mapping.replica import MapReplica
 from sceneq_core.mapping.voxel_index import COORD_LIMIT, VoxelIndex
@@ -58,12 +58,11 @@ class Places:
         """
         if not voxel_size_m > 0:
             raise ValueError(f"frame {frame.seq}: no map to look at yet")
-        points_voxel, valid = _points_in_voxels(frame, voxel_size_m)
-        measured = points_voxel[valid]
-        coord = np.floor(measured).astype(np.int32)
+        points_voxel, measured = _points_in_voxels(frame, voxel_size_m)
+        coord = np.floor(points_voxel).astype(np.int32)
         first, of_pixel = _runs(coord)
-        place = np.full(valid.shape, NO_PLACE, np.int32)
-        place[valid] = self._nearest(coord[first], measured[first])[of_pixel]
+        place = np.full(measured.shape, NO_PLACE, np.int32)
+        place[measured] = self._nearest(coord[:, first].T, points_voxel[:, first].T)[of_pixel]
         return place
 
     def _nearest(self, coord: Int32, points_voxel: Float64) -> Int32:
@@ -81,24 +80,29 @@ class Places:
         return place
 
 
-def _points_in_voxels(frame: Frame, voxel_size_m: float) -> tuple[Float64, Array]:
-    """Return back-projected pixels (H/2, W/2, 3) in voxel units of the world, and which are valid.
+def _points_in_voxels(frame: Frame, voxel_size_m: float) -> tuple[Float64, Bool]:
+    """Return the measured points (3, M) in voxel units of the world and their pixels (H/2, W/2).
 
-    Depth without a measurement and points outside the index are not valid.
+    Points that are too far from the origin to have a voxel count as not measured.
     """
     depth_m = _smoothed(np.ascontiguousarray(frame.depth_m[::STRIDE_PX, ::STRIDE_PX]))
+    farthest_m = (COORD_LIMIT - 2) * voxel_size_m - np.abs(frame.T_world_camera[:3, 3]).max()
+    measured = (depth_m > 0) & (depth_m * _longest_ray(frame) < farthest_m)
+    row, column = np.nonzero(measured)
+    z = depth_m[measured]
+    x = (column * STRIDE_PX - frame.K[0, 2]) * (z / frame.K[0, 0])
+    y = (row * STRIDE_PX - frame.K[1, 2]) * (z / frame.K[1, 1])
+    T_voxel_camera = frame.T_world_camera / voxel_size_m
+    # Written out: a matrix product may round otherwise with another number of threads.
+    return np.stack([a * x + b * y + c * z + t for a, b, c, t in T_voxel_camera[:3]]), measured
+
+
+def _longest_ray(frame: Frame) -> float:
+    """Return the length of the longest pixel ray whose depth is 1."""
     height, width = frame.depth_m.shape
-    x = (np.arange(0, width, STRIDE_PX) - frame.K[0, 2]) / frame.K[0, 0]
-    y = (np.arange(0, height, STRIDE_PX) - frame.K[1, 2]) / frame.K[1, 1]
-    R_world_camera = frame.T_world_camera[:3, :3] / voxel_size_m
-    ray_world = (
-        x[None, :, None] * R_world_camera[:, 0]
-        + y[:, None, None] * R_world_camera[:, 1]
-        + R_world_camera[:, 2]
-    )
-    points = ray_world * depth_m[..., None] + frame.T_world_camera[:3, 3] / voxel_size_m
-    inside = (np.abs(points) < COORD_LIMIT - 2).all(axis=-1)
-    return points, inside & (depth_m > 0)
+    x = max(frame.K[0, 2], width - frame.K[0, 2]) / frame.K[0, 0]
+    y = max(frame.K[1, 2], height - frame.K[1, 2]) / frame.K[1, 1]
+    return float(np.sqrt(1 + x * x + y * y))
 
 
 def _smoothed(depth_m: Float32) -> Float64:
@@ -114,11 +118,11 @@ def _smoothed(depth_m: Float32) -> Float64:
     return np.where(np.abs(mean_m - z) < SAME_SURFACE * z, mean_m, z)
 
 
-def _runs(coord: Int32) -> tuple[Array, Array]:
-    """Return the rows of (M, 3) that differ from the row before, and which of them each row is in.
+def _runs(coord: Int32) -> tuple[Int64, Int64]:
+    """Return the columns of (3, M) that differ from the one before, and which each column repeats.
 
     Neighbouring pixels often share a voxel: fewer coordinates to look up.
     """
-    starts = np.ones(len(coord), np.bool_)
-    starts[1:] = (coord[1:] != coord[:-1]).any(axis=1)
+    starts = np.ones(coord.shape[1], np.bool_)
+    starts[1:] = (coord[:, 1:] != coord[:, :-1]).any(axis=0)
     return np.flatnonzero(starts), np.cumsum(starts) - 1

@@ -1,6 +1,5 @@
 """The keyframes that show each instance best, kept up to date while the map grows."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,15 +10,17 @@ from sceneq_core.mapping.delta import MapDelta
 from sceneq_core.mapping.replica import MapReplica
 from sceneq_core.views.archive import ArchiveParams, ImageArchive
 from sceneq_core.views.choice import Candidates, ChoiceParams, choose
-from sceneq_core.views.keyframe import make_keyframe
+from sceneq_core.views.keyframe import changed_blocks, make_keyframe
 from sceneq_core.views.place import Places
-from sceneq_core.views.sighting import Sighting, find_sightings, make_view
+from sceneq_core.views.sighting import Sightings, find_sightings, make_view
 from sceneq_core.views.view import View, ViewSet
 
 BOX_TOLERANCE_PX = 4.0
 SIZE_TOLERANCE = 0.1
-"""A view whose box and visible pixels moved less than this is left as it is: a crop is not the
-better for it, and every change costs its readers an encoding."""
+MOVED_TOLERANCE = 0.02
+"""A view whose box and visible pixels changed less than this is left as it is: a crop is not the
+better for it, and every change costs its readers an encoding. When hardly any pixel moved, the
+view is not even made to compare."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,10 +44,9 @@ class ViewSelector:
         self._replica = MapReplica()
         self._places = Places()
         self._instance_of_place: Int32 = np.zeros(1, np.int32)
-        self._sightings: dict[int, dict[int, Sighting]] = {}
+        self._sightings: dict[int, Sightings] = {}
         self._view_sets: dict[int, ViewSet] = {}
         self._concerned: set[int] = set()
-        self._outdated: set[tuple[int, int]] = set()
         self.archive = ImageArchive(self._params.archive)
 
     def observe(self, frame: Frame, delta: MapDelta) -> tuple[ViewSet, ...]:
@@ -77,9 +77,11 @@ class ViewSelector:
         for seq in self.archive.make_room():
             self._forget(seq)
         place = self._places.render(frame, self._replica.voxel_size_m)
-        self.archive.add(make_keyframe(frame, place))
-        self._look(frame.seq)
-        self._outdate(frame.seq, self._sightings[frame.seq])
+        keyframe = make_keyframe(frame, place)
+        self.archive.add(keyframe)
+        sightings = find_sightings(keyframe, self._instance_of_place)
+        self._sightings[frame.seq] = sightings
+        self._concerned.update(sightings.visible_px)
 
     def changes(self) -> tuple[ViewSet, ...]:
         """Choose again for every instance concerned since the last call; return what changed."""
@@ -90,7 +92,6 @@ class ViewSelector:
             for i, seqs in chosen.items()
         ]
         self._concerned.clear()
-        self._outdated.clear()
         return tuple(view_set for view_set in view_sets if self._take(view_set))
 
     def view_sets(self) -> tuple[ViewSet, ...]:
@@ -106,23 +107,12 @@ class ViewSelector:
         before, now = self._instance_of_place, self._places.instance_of_place(self._replica)
         self._instance_of_place = now
         changed = _differs(before, now)
-        if not changed.any():
-            return
+        blocks = changed_blocks(changed)
         for keyframe in self.archive:
-            touched = keyframe.place[changed[keyframe.place]]
+            touched = keyframe.touched(changed, blocks)
             if len(touched):
-                self._look(keyframe.seq)
-                self._outdate(keyframe.seq, np.unique([before[touched], now[touched]]).tolist())
-
-    def _look(self, seq: int) -> None:
-        """Find the instances in a keyframe of the archive."""
-        self._sightings[seq] = find_sightings(self.archive[seq], self._instance_of_place)
-
-    def _outdate(self, seq: int, instance_ids: Iterable[int]) -> None:
-        """Note that these instances look different in a keyframe from now on."""
-        for instance_id in instance_ids:
-            self._concerned.add(instance_id)
-            self._outdated.add((seq, instance_id))
+                sightings = self._sightings[keyframe.seq]
+                self._concerned |= sightings.update(keyframe, touched, before, now)
 
     def _forget(self, seq: int) -> None:
         """Drop what was seen in a keyframe that the archive let go of."""
@@ -132,13 +122,13 @@ class ViewSelector:
     def _choose(self, instance_id: int) -> tuple[int, ...]:
         """Return the seqs of the best keyframes of an instance, best first."""
         instance = self._replica.instances.get(instance_id)
-        shown = [k for k in self.archive if instance_id in self._sightings[k.seq]]
+        shown = [k for k in self.archive if instance_id in self._sightings[k.seq].visible_px]
         if instance is None or not shown:
             return ()
-        sightings = [self._sightings[keyframe.seq][instance_id] for keyframe in shown]
+        sightings = [self._sightings[keyframe.seq] for keyframe in shown]
         candidates = Candidates(
-            visible_px=np.array([sighting.visible_px for sighting in sightings]),
-            cut=np.array([sighting.cut for sighting in sightings]),
+            visible_px=np.array([of.visible_px[instance_id] for of in sightings]),
+            cut=np.array([instance_id in of.cut for of in sightings]),
             camera_world=np.array([keyframe.camera_world for keyframe in shown]),
         )
         rows = choose(candidates, instance.centre_world, self._params.choice)
@@ -146,21 +136,23 @@ class ViewSelector:
 
     def _instance_images(self, chosen: dict[int, tuple[int, ...]]) -> dict[int, Int32]:
         """Return the instance image of each keyframe in which a view has to be made."""
-        new = {
-            seq
-            for instance_id, seqs in chosen.items()
-            for seq in seqs
-            if (seq, instance_id) in self._outdated or not self._present(seq, instance_id)
-        }
+        new = {seq for i, seqs in chosen.items() for seq in seqs if not self._holds(seq, i)}
         return {seq: self._instance_of_place[self.archive[seq].place] for seq in new}
 
     def _view(self, seq: int, instance_id: int, images: dict[int, Int32]) -> View:
         """Return the view of an instance in a keyframe; the present one if it still holds."""
         present = self._present(seq, instance_id)
-        if present and (seq, instance_id) not in self._outdated:
+        if present and self._holds(seq, instance_id):
             return present
+        self._sightings[seq].moved_px.pop(instance_id, None)
         view = make_view(self.archive[seq], images[seq], instance_id)
         return present if present and _alike(present, view) else view
+
+    def _holds(self, seq: int, instance_id: int) -> bool:
+        """Tell whether there is a view of an instance in a keyframe and hardly a pixel moved."""
+        present = self._present(seq, instance_id)
+        moved_px = self._sightings[seq].moved_px.get(instance_id, 0)
+        return present is not None and moved_px <= MOVED_TOLERANCE * present.visible_px
 
     def _present(self, seq: int, instance_id: int) -> View | None:
         view_set = self._view_sets.get(instance_id)

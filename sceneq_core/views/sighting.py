@@ -16,26 +16,39 @@ MIN_PART = 0.2
 
 
 @dataclass(frozen=True, slots=True)
-class Sighting:
-    """One instance in one keyframe: full-resolution pixels, and whether the border cuts it."""
+class Sightings:
+    """What one keyframe shows of each instance, by instance id, in full-resolution pixels.
 
-    visible_px: int
-    cut: bool
+    ``visible_px`` how much there is; ``cut`` which reach the border of what the camera saw;
+    ``moved_px`` how much came or went since a view was made of it.
+    """
+
+    visible_px: dict[int, int]
+    cut: set[int]
+    moved_px: dict[int, int]
+
+    def update(self, keyframe: Keyframe, touched: Int32, before: Int32, now: Int32) -> set[int]:
+        """Take over that the places of the ``touched`` pixels went from one instance to another.
+
+        ``before`` and ``now`` are the instance of each place. Returns the instances concerned.
+        """
+        lost, gained = _count(before[touched]), _count(now[touched])
+        for instance_id in lost.keys() | gained.keys():
+            came, went = gained.get(instance_id, 0), lost.get(instance_id, 0)
+            self.visible_px[instance_id] = self.visible_px.get(instance_id, 0) + came - went
+            self.moved_px[instance_id] = self.moved_px.get(instance_id, 0) + came + went
+            if not self.visible_px[instance_id]:
+                del self.visible_px[instance_id], self.moved_px[instance_id]
+        self.cut.clear()
+        self.cut.update(now[keyframe.edge_place].tolist())
+        return lost.keys() | gained.keys()
 
 
-def find_sightings(keyframe: Keyframe, instance_of_place: Int32) -> dict[int, Sighting]:
-    """Return every instance that ``keyframe`` shows, by instance id."""
-    samples = np.bincount(instance_of_place[keyframe.place].ravel())
-    cut = np.zeros(len(samples), np.bool_)
-    cut[instance_of_place[keyframe.edge_place]] = True
-    shown = np.flatnonzero(samples[1:]) + 1
-    visible_px = samples[shown] * PX_PER_SAMPLE
-    return {
-        instance_id: Sighting(px, is_cut)
-        for instance_id, px, is_cut in zip(
-            shown.tolist(), visible_px.tolist(), cut[shown].tolist(), strict=True
-        )
-    }
+def find_sightings(keyframe: Keyframe, instance_of_place: Int32) -> Sightings:
+    """Return what ``keyframe`` shows; no view has been made of any of it."""
+    visible_px = _count(instance_of_place[keyframe.place.ravel()])
+    cut = set(instance_of_place[keyframe.edge_place].tolist())
+    return Sightings(visible_px, cut, dict(visible_px))
 
 
 def make_view(keyframe: Keyframe, instance_image: Int32, instance_id: int) -> View:
@@ -54,6 +67,13 @@ def make_view(keyframe: Keyframe, instance_image: Int32, instance_id: int) -> Vi
         box_xyxy=np.array([left * STRIDE_PX, top * STRIDE_PX, x1, y1], np.float32),
         mask=mask,
     )
+
+
+def _count(instance_id: Int32) -> dict[int, int]:
+    """Return the full-resolution pixels of each instance in one id per sample; 0 is none."""
+    samples = np.bincount(instance_id, minlength=1)
+    shown = np.flatnonzero(samples[1:]) + 1
+    return dict(zip(shown.tolist(), (samples[shown] * PX_PER_SAMPLE).tolist(), strict=True))
 
 
 def _cropped(mask: Bool) -> tuple[Bool, int, int]:

@@ -248,6 +248,10 @@ def test_a_signal_ends_a_node_that_never_returns(
     heard = Heard(client)
     send(client, 1, act)
     until(lambda: heard.health.get("toy", {}).get("busy_s", 0.0) > 0, "a health message: busy")
+    for seq in range(10):
+        send(client, seq)
+    until(lambda: heard.health["toy"]["topics"]["pose"].get("dropped") == 6, "what is too much")
+    assert heard.health["toy"]["inbox"] == {"sceneq/pose/r1/v1": 4}
     toy.terminate()
     assert toy.wait(PATIENCE_S) == 0
     assert "still at work" in graph.log(toy)

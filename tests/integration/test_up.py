@@ -7,6 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -30,7 +31,7 @@ nodes:
 class Up:
     """A running `sceneq up` and the lines it prints."""
 
-    def __init__(self, folder: Path, port: int, fault: str = "") -> None:
+    def __init__(self, folder: Path, port: int, short: Path, fault: str = "") -> None:
         (folder / "graph.yaml").write_text(GRAPH.format(fault=fault))
         plugin = folder / "plugin" / "idle-1.0.dist-info"
         plugin.mkdir(parents=True, exist_ok=True)
@@ -43,7 +44,8 @@ class Up:
         self.process = subprocess.Popen(
             [sys.executable, "-m", "sceneq_tools", *options],
             cwd=folder,
-            env=os.environ | {"PYTHONPATH": f"{plugin.parent}:{TESTS}", "XDG_RUNTIME_DIR": ""},
+            env=os.environ
+            | {"PYTHONPATH": f"{plugin.parent}:{TESTS}", "XDG_RUNTIME_DIR": str(short)},
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -102,11 +104,18 @@ def port() -> int:
 
 
 @pytest.fixture
-def start(tmp_path: Path, port: int) -> Iterator[Callable[..., Up]]:
+def short() -> Iterator[Path]:
+    """A folder for sockets: pytest's own names are too long for them."""
+    with tempfile.TemporaryDirectory(prefix="up-") as folder:
+        yield Path(folder)
+
+
+@pytest.fixture
+def start(tmp_path: Path, port: int, short: Path) -> Iterator[Callable[..., Up]]:
     started: list[Up] = []
 
     def start_up(**options: str) -> Up:
-        started.append(Up(tmp_path, port, **options))
+        started.append(Up(tmp_path, port, short, **options))
         return started[-1]
 
     yield start_up
@@ -121,7 +130,7 @@ def test_what_dies_or_hangs_comes_back_and_ctrl_c_ends_everything(
     up = start()
     left = up.wait_for_pid("left", "started")
     right = up.wait_for_pid("right", "started")
-    up.wait_for("all 2 nodes ready")
+    up.wait_for("all 2 nodes are ready")
 
     os.kill(left, signal.SIGKILL)
     up.wait_for("left +was ended by SIGKILL")
@@ -141,12 +150,13 @@ def test_what_dies_or_hangs_comes_back_and_ctrl_c_ends_everything(
     assert "INFO left: ready" in (tmp_path / "logs" / "left.log").read_text()
 
 
-def test_nothing_outlives_a_killed_launcher(start: Callable[..., Up]) -> None:
+def test_nothing_outlives_a_killed_launcher(start: Callable[..., Up], short: Path) -> None:
     up = start()
-    up.wait_for("all 2 nodes ready")
+    up.wait_for("all 2 nodes are ready")
     up.process.kill()
     assert up.end() == -signal.SIGKILL
     assert len(up.pids) == 3
+    wait_until(lambda: not list(short.iterdir()))
 
 
 def test_a_node_that_refuses_its_input_ends_the_start(start: Callable[..., Up]) -> None:

@@ -96,7 +96,8 @@ def pose(position):
 
 
 @pytest.fixture(autouse=True)
-def plug_in_the_word_encoder(monkeypatch):
+def plug_in_the_word_encoder(monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setitem(BACKENDS["encoder"], "words", "support.furnished:WordEncoder")
 
 
@@ -266,9 +267,21 @@ def test_instances_are_listed_page_by_page(bus):
 
 def test_one_instance_by_id(bus):
     assert [one["id"] for one in ask(bus, QUERY_INSTANCES, id="7")["instances"]] == [7]
-    with pytest.raises(QueryError, match="there is no instance 99") as missing:
+    with pytest.raises(QueryError, match="no such instance: 99") as missing:
         ask(bus, QUERY_INSTANCES, id="99")
     assert missing.value.code == "not_found"
+
+
+def test_instances_without_descriptor_are_listed_without_a_name(bus):
+    bus.deliver(bus.node, MAP_DELTA, map_delta(2, full=False, instances=(instance(17, ROOM[0]),)))
+    listed = ask(bus, QUERY_INSTANCES, k="5", after="15")
+    assert [(one["id"], one["label"]) for one in listed["instances"]] == [(16, "lamp"), (17, None)]
+    assert listed["count"] == 17
+    assert listed["instances"][1]["views"] == []
+    overview = ask(bus, QUERY_INSTANCES)
+    assert (overview["instances"], overview["answerable"]) == (17, 16)
+    with pytest.raises(QueryError, match="no such instance: 17"):
+        ask(bus, QUERY_LABEL, id="17")
 
 
 def test_label_names_an_instance(bus):

@@ -16,16 +16,30 @@ def keyframe_of(labels: np.ndarray) -> Keyframe:
     """Return a keyframe whose pixel k shows place k."""
     place = np.arange(labels.size, dtype=np.int32).reshape(labels.shape)
     height, width = labels.shape
-    return Keyframe(3, 30, b"", (2 * height - 1, 2 * width), np.zeros(3), place, place[0])
+    return Keyframe(
+        3, 30, b"", (2 * height - 1, 2 * width), np.zeros(3), place, place[0], np.zeros(1, int)
+    )
 
 
 @given(LABELS)
 def test_sightings_count_every_pixel(labels):
     sightings = find_sightings(keyframe_of(labels), np.append(labels.ravel(), np.int32(0)))
-    assert sightings.keys() == set(np.unique(labels).tolist()) - {0}
-    for instance_id, sighting in sightings.items():
-        assert sighting.visible_px == 4 * int((labels == instance_id).sum())
-        assert sighting.cut == (instance_id in labels[0])
+    assert sightings.visible_px.keys() == set(np.unique(labels).tolist()) - {0}
+    assert sightings.cut == set(labels[0].tolist())
+    for instance_id, visible_px in sightings.visible_px.items():
+        assert visible_px == 4 * int((labels == instance_id).sum())
+
+
+@given(LABELS, st.data())
+def test_updated_sightings_equal_those_found_anew(labels, data):
+    other = data.draw(hnp.arrays(np.int32, labels.shape, elements=st.integers(0, 4)))
+    keyframe = keyframe_of(labels)
+    before, now = (np.append(image.ravel(), np.int32(0)) for image in (labels, other))
+    touched = np.flatnonzero(before != now).astype(np.int32)
+    updated, anew = find_sightings(keyframe, before), find_sightings(keyframe, now)
+    concerned = updated.update(keyframe, touched, before, now)
+    assert concerned == (set(before[touched].tolist()) | set(now[touched].tolist())) - {0}
+    assert (updated.visible_px, updated.cut) == (anew.visible_px, anew.cut)
 
 
 @settings(max_examples=60)

@@ -179,11 +179,17 @@ class FakeHub:
     def run(self) -> int:
         """Step nodes until every message is delivered; return how many were."""
         steps = 0
-        while self._queue:
-            node, received = self._queue.popleft()
-            node.step(received)
+        while self.step():
             steps += 1
         return steps
+
+    def step(self) -> bool:
+        """Deliver the oldest message; return whether there was one."""
+        if not self._queue:
+            return False
+        node, received = self._queue.popleft()
+        node.step(received)
+        return True
 
     def route(self, key: str, sent: Published) -> None:
         """Queue a published message for every node that subscribed to it."""

@@ -14,6 +14,10 @@ class IdleLimits:
     most: int = 3
     least: int = 0
 
+    def __post_init__(self) -> None:
+        if self.most < self.least:
+            raise ValueError(f"most: expected at least {self.least}, got {self.most}")
+
 
 @dataclass(frozen=True, slots=True)
 class IdleParams:

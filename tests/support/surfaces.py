@@ -1,11 +1,12 @@
 """Small synthetic inputs of the map: walls of points, flat frames, views of the furnished room."""
 
 import numpy as np
-from support.room import Room
 
 from sceneq_core.frame import Frame, depth_from_mm
 from sceneq_core.mapping.mapper import MapperParams
 from sceneq_core.mapping.surface import Surface, SurfaceParams
+
+from support.room import Room
 
 K = np.array([[100.0, 0, 39.5], [0, 100.0, 29.5], [0, 0, 1]])
 SMALL = MapperParams(surface=SurfaceParams(stride_px=1))

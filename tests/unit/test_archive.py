@@ -9,7 +9,9 @@ from sceneq_core.views.keyframe import Keyframe
 
 def keyframe(seq: int) -> Keyframe:
     nothing = np.full((1, 1), -1, np.int32)
-    return Keyframe(seq, seq, b"jpeg %d" % seq, (2, 2), np.zeros(3), nothing, nothing[0])
+    return Keyframe(
+        seq, seq, b"jpeg %d" % seq, (2, 2), np.zeros(3), nothing, nothing[0], nothing[0]
+    )
 
 
 def filled(newest: int, capacity: int, count: int) -> ImageArchive:

@@ -135,6 +135,13 @@ def test_what_cannot_be_read_is_told_with_its_line(tmp_path: Path, text: str, to
     assert problems(tmp_path, text)[0].startswith(told)
 
 
+def test_what_the_parameters_check_themselves_is_told_where_it_is_written(tmp_path: Path) -> None:
+    text = "nodes:\n- id: a\n  kind: idle\n  params:\n    limits:\n      least: 3\n      most: 2\n"
+    assert problems(tmp_path, text) == [
+        "graph.yaml:7: nodes.a.params.limits.most: expected at least 3, got 2"
+    ]
+
+
 def test_a_missing_file_is_told(tmp_path: Path) -> None:
     with pytest.raises(GraphError, match=r"nowhere\.yaml: No such file or directory"):
         load(tmp_path / "nowhere.yaml")

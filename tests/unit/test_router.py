@@ -204,7 +204,7 @@ def test_a_descriptor_of_another_encoder_is_refused():
 def test_thresholds_are_checked():
     with pytest.raises(ValueError, match="top_k"):
         RouterParams(top_k=0)
-    with pytest.raises(ValueError, match="min_presence"):
-        JudgeParams(min_presence=2.0)
-    strict = router(RouterParams(judge=replace(JudgeParams(), min_presence=1.0)))
+    with pytest.raises(ValueError, match="min_claim"):
+        JudgeParams(min_claim=2.0)
+    strict = router(RouterParams(judge=replace(JudgeParams(), min_claim=1.0)))
     assert strict.answer(SURE, strict.read("lamp")).answer.status == "ambiguous"

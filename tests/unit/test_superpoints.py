@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from support.surfaces import patch, surface
 
 from sceneq_core.mapping.superpoints import (
     SuperpointParams,
@@ -11,6 +10,8 @@ from sceneq_core.mapping.superpoints import (
     partition,
 )
 from sceneq_core.mapping.voxels import Voxels
+
+from support.surfaces import patch, surface
 
 PARAMS = SuperpointParams(refresh_keyframes=1)
 NOTHING = np.zeros(0, np.int32)
@@ -60,9 +61,13 @@ def test_no_part_crosses_a_cell_and_nothing_gives_nothing():
     features = sheet(size=8)
     moved = VoxelFeatures(features.coord - (4, 4, 0), features.normals_world, features.colours)
     order = np.lexsort((moved.coord >> 3).T)
-    rows = VoxelFeatures(*(column[order] for column in (moved.coord, moved.normals_world, moved.colours)))
+    rows = VoxelFeatures(
+        *(column[order] for column in (moved.coord, moved.normals_world, moved.colours))
+    )
     assert len(set(partition(rows, PARAMS))) == 4
-    empty = VoxelFeatures(np.zeros((0, 3), np.int32), np.zeros((0, 3)), np.zeros((0, 3), np.float32))
+    empty = VoxelFeatures(
+        np.zeros((0, 3), np.int32), np.zeros((0, 3)), np.zeros((0, 3), np.float32)
+    )
     assert partition(empty, PARAMS).shape == (0,)
 
 

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from support.surfaces import flat_frame, patch, surface
 
 from sceneq_core.mapping.free_space import FreeSpaceParams, clear_free_space
 from sceneq_core.mapping.surface import SurfaceParams, measure_surface
 from sceneq_core.mapping.voxels import Voxels
+
+from support.surfaces import flat_frame, patch, surface
 
 EVERY_PIXEL = SurfaceParams(stride_px=1)
 NOTHING = np.zeros(0, np.int32)

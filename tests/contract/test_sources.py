@@ -1,0 +1,80 @@
+"""What every source keeps to, so that ingest can play any of them."""
+
+from collections.abc import Callable
+from dataclasses import FrozenInstanceError
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sceneq_nodes._backends import build, kinds
+from support.seven_scenes import write_folder
+
+from sceneq_core.ingest.source import RawFrame, Skipped, Source
+from sceneq_core.ingest.transforms import rigid_defect
+
+
+def folder(path: Path) -> Source:
+    """A recording with a frame that is no good."""
+    write_folder(path, [0, 2, 4, 6])
+    (path / "frame-000004.depth.png").write_bytes(b"gone")
+    return build("source", {"kind": "folder", "path": str(path)})
+
+
+SOURCES: dict[str, Callable[[Path], Source]] = {"folder": folder}
+
+
+@pytest.fixture(params=sorted(SOURCES))
+def source(request: pytest.FixtureRequest, tmp_path: Path) -> Source:
+    return SOURCES[request.param](tmp_path / "recording")
+
+
+def test_every_source_is_under_contract() -> None:
+    assert set(SOURCES) == set(kinds("source"))
+
+
+def test_it_describes_its_cameras(source: Source) -> None:
+    assert source.name
+    assert rigid_defect(source.T_color_depth) is None
+    for camera in (source.color_camera, source.depth_camera):
+        assert camera.K.shape == (3, 3)
+        assert camera.K.dtype == np.float64
+        assert min(camera.K[0, 0], camera.K[1, 1], *camera.size) > 0
+
+
+def test_seq_and_stamps_grow(source: Source) -> None:
+    frames = list(source.frames())
+    assert all(type(f.seq) is int for f in frames)
+    assert (np.diff([f.seq for f in frames]) > 0).all()
+    stamps = [f.stamp_ns for f in frames if isinstance(f, RawFrame)]
+    assert all(type(stamp) is int for stamp in stamps)
+    assert (np.diff(stamps) > 0).all()
+
+
+def test_images_fit_the_cameras(source: Source) -> None:
+    for frame in (f for f in source.frames() if isinstance(f, RawFrame)):
+        rgb, depth_mm = frame.read_rgb(), frame.read_depth_mm()
+        assert not isinstance(rgb, Skipped)
+        assert not isinstance(depth_mm, Skipped)
+        assert (rgb.dtype, rgb.shape) == (np.uint8, (*source.color_camera.size[::-1], 3))
+        assert (depth_mm.dtype, depth_mm.shape) == (np.uint16, source.depth_camera.size[::-1])
+
+
+def test_poses_are_there_or_not_as_promised(source: Source) -> None:
+    for frame in (f for f in source.frames() if isinstance(f, RawFrame)):
+        assert (frame.T_world_camera is not None) == source.has_poses
+        assert frame.T_world_camera is None or rigid_defect(frame.T_world_camera) is None
+
+
+def test_bad_frames_come_as_skipped(source: Source) -> None:
+    skipped = [f for f in source.frames() if isinstance(f, Skipped)]
+    assert skipped
+    assert all(s.where and s.reason for s in skipped)
+
+
+def test_it_can_be_played_twice(source: Source) -> None:
+    assert [f.seq for f in source.frames()] == [f.seq for f in source.frames()]
+
+
+def test_frames_are_immutable(source: Source) -> None:
+    with pytest.raises(FrozenInstanceError):
+        next(source.frames()).seq = 9

@@ -1,0 +1,61 @@
+"""Who is described next."""
+
+import numpy as np
+
+from sceneq_core.encoding.pending import Pending
+from sceneq_core.views.view import View, ViewSet
+
+
+def view_set(instance_id, *seqs):
+    box, mask = np.zeros(4, np.float32), np.ones((1, 1), bool)
+    return ViewSet(instance_id, tuple(View(seq, seq, 1, box, mask) for seq in seqs))
+
+
+def drain(pending):
+    taken = []
+    while (one := pending.take()) is not None:
+        pending.settle(one)
+        taken.append(one.instance_id)
+    return taken
+
+
+def test_the_latest_view_set_replaces_the_one_that_waits():
+    pending = Pending()
+    pending.put(view_set(1, 10))
+    pending.put(view_set(1, 10, 20))
+    assert len(pending) == 1
+    assert [view.seq for view in pending.take().views] == [10, 20]
+    assert pending.take() is None
+
+
+def test_new_instances_come_first_then_those_that_changed_most():
+    pending = Pending()
+    for one in (view_set(1, 10), view_set(2, 10), view_set(3, 10)):
+        pending.put(one)
+    assert drain(pending) == [1, 2, 3]
+    for one in (view_set(1, 10, 20), view_set(2, 20, 30), view_set(3, 10), view_set(9, 30)):
+        pending.put(one)
+    assert drain(pending) == [9, 2, 1, 3]
+
+
+def test_what_was_taken_but_not_settled_is_still_new():
+    pending = Pending()
+    pending.put(view_set(1, 10))
+    drain(pending)
+    pending.put(view_set(5, 10))
+    taken = pending.take()
+    pending.put(taken)
+    pending.put(view_set(1, 20, 30))
+    assert drain(pending) == [5, 1]
+
+
+def test_what_is_gone_is_forgotten():
+    pending = Pending()
+    pending.put(view_set(1, 10))
+    pending.put(view_set(2, 10))
+    drain(pending)
+    pending.put(view_set(2, 20))
+    pending.forget(2)
+    pending.forget(77)
+    assert pending.take() is None
+    assert pending.instances() == {1}

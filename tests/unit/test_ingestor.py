@@ -1,0 +1,133 @@
+"""From source frames to keyframes."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.seven_scenes import SIZE, K, color, depth_mm, pose
+
+from sceneq_core.frame import depth_to_mm
+from sceneq_core.ingest.ingestor import Ingested, Ingestor
+from sceneq_core.ingest.keyframes import EveryNth
+from sceneq_core.ingest.source import Camera, RawFrame, Skipped
+from sceneq_core.ingest.trajectory import color_trajectory
+
+
+class Memory:
+    """A source of frames that count how often they are decoded."""
+
+    name = "memory"
+    color_camera = depth_camera = Camera(K, SIZE)
+    T_color_depth = np.eye(4)
+
+    def __init__(self, has_poses: bool = True) -> None:
+        self.has_poses = has_poses
+        self.decoded: list[str] = []
+
+    def frames(self) -> Iterator[RawFrame | Skipped]:
+        return map(self.frame, range(6))
+
+    def frame(self, number: int) -> RawFrame:
+        def read(what: str, image: np.ndarray) -> np.ndarray:
+            self.decoded.append(f"{what} {number}")
+            return image
+
+        return RawFrame(
+            seq=number,
+            stamp_ns=number * 100,
+            T_world_camera=pose(number) if self.has_poses else None,
+            read_rgb=lambda: read("rgb", color(number)),
+            read_depth_mm=lambda: read("depth", np.minimum(depth_mm(number), 9000)),
+        )
+
+
+class Sideways:
+    """An odometry that knows nothing at every third image."""
+
+    kind = "sideways"
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    def register(self, depth_mm: np.ndarray, K: np.ndarray, stamp_ns: int) -> np.ndarray | None:
+        self.calls += 1
+        return pose(100) if self.calls % 3 else None
+
+
+def every(n: int) -> EveryNth:
+    return EveryNth(EveryNth.Params(every=n))
+
+
+def test_keyframes_are_decoded_and_other_frames_are_not() -> None:
+    source = Memory()
+    ingestor = Ingestor(source, every(3))
+    results = [ingestor.ingest(raw) for raw in source.frames()]
+    assert [r.keyframe is not None for r in results] == [True, False, False] * 2
+    assert source.decoded == ["rgb 0", "depth 0", "rgb 3", "depth 3"]
+    assert {r.pose_source for r in results} == {"given"}
+
+
+def test_a_keyframe_carries_everything() -> None:
+    result = Ingestor(Memory(), every(1)).ingest(Memory().frame(4))
+    assert isinstance(result, Ingested)
+    frame = result.keyframe
+    assert frame is not None
+    assert (frame.seq, frame.stamp_ns) == (4, 400)
+    np.testing.assert_array_equal(frame.rgb, color(4))
+    np.testing.assert_array_equal(depth_to_mm(frame.depth_m), np.minimum(depth_mm(4), 9000))
+    np.testing.assert_array_equal(frame.K, K)
+    np.testing.assert_allclose(frame.T_world_camera, pose(4), atol=1e-15)
+    assert frame.T_world_camera is result.T_world_camera
+
+
+def test_poses_are_those_of_the_colour_camera() -> None:
+    source = Memory()
+    source.T_color_depth = np.eye(4)
+    source.T_color_depth[:3, 3] = (-0.02, 0.01, 0)
+    result = Ingestor(source, every(1)).ingest(source.frame(5))
+    # The colour camera sits at +2 cm, -1 cm in the depth camera's frame.
+    np.testing.assert_allclose(result.T_world_camera[:3, 3], (0.07, -0.01, 0), atol=1e-12)
+    np.testing.assert_allclose(color_trajectory(source)[5][1], result.T_world_camera, atol=1e-12)
+
+
+def test_frames_without_pose_ask_the_odometry() -> None:
+    source = Memory(has_poses=False)
+    ingestor = Ingestor(source, every(1), Sideways())
+    good, _, lost = (ingestor.ingest(source.frame(i)) for i in range(3))
+    assert isinstance(good, Ingested)
+    assert good.pose_source == "sideways"
+    np.testing.assert_allclose(good.T_world_camera, pose(100))
+    assert lost == Skipped(2, "sideways", "no pose: too little depth")
+
+
+def test_without_poses_and_odometry_it_does_not_start() -> None:
+    with pytest.raises(ValueError, match="memory has no poses"):
+        Ingestor(Memory(has_poses=False), every(1))
+
+
+@pytest.mark.parametrize("part", ["read_rgb", "read_depth_mm"])
+def test_the_frame_after_a_bad_keyframe_stands_in(part: str) -> None:
+    source = Memory()
+    ingestor = Ingestor(source, every(3))
+    broken = Skipped(0, "frame-000000", "does not decode")
+    assert ingestor.ingest(replace(source.frame(0), **{part: lambda: broken})) is broken
+    stand_in = ingestor.ingest(source.frame(1))
+    assert isinstance(stand_in, Ingested)
+    assert stand_in.keyframe is not None
+
+
+def test_depth_that_does_not_decode_has_no_odometry() -> None:
+    broken = Skipped(0, "frame-000000", "does not decode")
+    raw = replace(Memory(has_poses=False).frame(0), read_depth_mm=lambda: broken)
+    ingestor = Ingestor(Memory(has_poses=False), every(1), Sideways())
+    assert ingestor.ingest(raw) is broken
+
+
+@pytest.mark.parametrize(
+    ("T", "reason"), [(None, "promised"), (np.diag([2.0, 1, 1, 1]), "not rigid")]
+)
+def test_a_source_that_breaks_its_promise_is_skipped(T, reason: str) -> None:
+    result = Ingestor(Memory(), every(1)).ingest(replace(Memory().frame(0), T_world_camera=T))
+    assert isinstance(result, Skipped)
+    assert reason in result.reason
