@@ -79,8 +79,10 @@ def class_names() -> list[str]:
 
 
 def _prepare(folder: Path) -> None:
-    """Make every file in a temporary folder, then give it its name: all or nothing."""
+    """Make every file in a temporary folder, then give it its name; call it with the lock held."""
     log.warning("preparing the encoder's weights in %s, once; takes about 20 s", folder)
+    for left_by_a_killed_process in folder.parent.glob("unfinished-*"):
+        shutil.rmtree(left_by_a_killed_process, ignore_errors=True)
     unfinished = Path(tempfile.mkdtemp(dir=folder.parent, prefix="unfinished-"))
     try:
         classifier_file, class_vectors = (unfinished / name for name in MADE)

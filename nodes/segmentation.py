@@ -14,16 +14,16 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
+
+from sceneq_core.arrays import UInt16
+from sceneq_core.frame import Frame
+from sceneq_core.segmentation.segmenter import Segmenter
 from sceneq_nodes._backends import build
 from sceneq_nodes._bus import Bus, Context, Received
 from sceneq_nodes._images import frame_from_message
 from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.mask import Masks
 from sceneq_schemas.topics import FRAME, MASK
-
-from sceneq_core.arrays import UInt16
-from sceneq_core.frame import Frame
-from sceneq_core.segmentation.segmenter import Segmenter
 
 log = logging.getLogger(__name__)
 
@@ -55,9 +55,7 @@ class Segmentation:
         self._bus = bus
         self._segmenter: Segmenter = build("segmenter", self._params.segmenter, ("segmenter",))
         context = self._context
-        bus.subscribe(
-            FRAME, depth=self._params.inbox, robot=context.robot, sensor=context.sensor
-        )
+        bus.subscribe(FRAME, depth=self._params.inbox, robot=context.robot, sensor=context.sensor)
 
     def step(self, received: Received | None) -> None:
         """Answer a frame with its masks."""

@@ -66,7 +66,7 @@ def _numbers(values: Sequence[float] | None) -> str:
 def _number(value: Any) -> str:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return NONE if value is None else str(value)
-    return str(value) if isinstance(value, int) else f"{value:.3g}"
+    return f"{value:.0f}" if isinstance(value, int) or abs(value) >= 100 else f"{value:.3g}"
 
 
 def _pairs(values: Mapping[str, Any]) -> str:

@@ -11,9 +11,9 @@ if TYPE_CHECKING:
     from sceneq_tools.status import NodeStatus
 
 COLUMNS = (
-    "node", "state", "pid", "up s", "idle s", "MiB",
-    "in", "out", "dropped", "undecodable", "waiting", "says",
-)  # fmt: skip
+    *("node", "state", "pid", "up s", "idle s", "MiB"),
+    *("in", "out", "dropped", "bad", "queue"),
+)
 
 
 def run(
@@ -40,6 +40,9 @@ def _print(nodes: "list[NodeStatus]", told: dict[str, dict[str, Any]]) -> None:
     from sceneq_tools.table import print_table
 
     print_table(COLUMNS, [_row(node) for node in nodes])
+    for node in nodes:
+        if words := _inline({**node.values, **node.counters}):
+            typer.echo(f"{node.node}: {words}")
     for scene, said in told.items():
         typer.echo(f"scene {scene}: {_inline(said)}")
     if not told:
@@ -47,18 +50,9 @@ def _print(nodes: "list[NodeStatus]", told: dict[str, dict[str, Any]]) -> None:
 
 
 def _row(node: "NodeStatus") -> tuple[str, ...]:
-    flows = [str(node.flows.get(name, "")) for name in ("in", "out", "dropped", "undecodable")]
-    return (
-        node.node,
-        node.state,
-        _cell(node.pid),
-        _cell(node.uptime_s),
-        _cell(node.idle_s),
-        _cell(node.rss_mb),
-        *flows,
-        str(node.waiting),
-        _inline({**node.counters, **node.values}),
-    )
+    flows = (str(node.flows.get(name, "")) for name in ("in", "out", "dropped", "undecodable"))
+    measures = (node.pid, node.uptime_s, node.idle_s, node.rss_mb)
+    return (node.node, node.state, *map(_cell, measures), *flows, str(node.waiting))
 
 
 def _cell(value: float | int | None) -> str:

@@ -25,7 +25,9 @@ Loop = Annotated[bool, typer.Option("--loop", help="Start again at the end of th
 NoPoses = Annotated[
     bool, typer.Option("--no-poses", help="Ignore given poses, use odometry instead.")
 ]
-Segmenter = Annotated[str | None, typer.Option(help="Kind of segmenter: rgbd, files, ...")]
+Segmenter = Annotated[
+    str | None, typer.Option(help="Kind: rgbd, or files = masks beside the frames, ...")
+]
 
 
 def run(
@@ -87,9 +89,17 @@ def source_overrides(
         ("ingest", ("source", "loop"), loop or None, "--loop"),
         ("ingest", ("source", "use_poses"), False if no_poses else None, "--no-poses"),
         ("ingest", ("rate_hz",), rate, "--rate"),
-        ("segmentation", ("segmenter", "kind"), segmenter, "--segmenter"),
+        ("segmentation", ("segmenter",), _segmenter(segmenter, source), "--segmenter"),
     ]
     return [Override(*override) for override in given if override[2] is not None]
+
+
+def _segmenter(kind: str | None, source: Path | None) -> dict[str, str] | None:
+    """Masks from files lie beside the frames."""
+    if kind is None:
+        return None
+    beside = {"path": str(source.resolve())} if kind == "files" and source else {}
+    return {"kind": kind, **beside}
 
 
 def _launch(local: "Plan", log_dir: Path | None) -> int:

@@ -25,6 +25,7 @@ class AssociationParams:
 
     views: int = 32
     min_agreement: float = 0.5
+    hold: float = 0.0
     merge_agreement: float = 0.6
     min_common_views: int = 2
     min_pixels: int = 10
@@ -149,9 +150,9 @@ class Association:
         candidate = np.where(sighting.label > 0, dominance.owner[sighting.label], NO_GROUP)
         own_agreement = self._agreement_with(superpoint, own)
         candidate_agreement = self._agreement_with(superpoint, candidate)
-        needed = np.maximum(self._params.min_agreement, own_agreement)
+        needed = np.maximum(self._params.min_agreement, own_agreement + self._params.hold)
         moving = (candidate != own) & (candidate_agreement > needed)
-        leaving = ~moving & (own_agreement < self._params.min_agreement)
+        leaving = ~moving & (own_agreement < self._params.min_agreement - self._params.hold)
         target = np.where(moving, candidate, np.where(leaving, NO_GROUP, own))
         self._of_superpoint[superpoint] = target
 

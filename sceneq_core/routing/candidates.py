@@ -38,10 +38,10 @@ def _target_rows(snapshot: SceneSnapshot, question: Question, fits: Mapping[str,
     phrase = question.phrase
     anchor = next((c.anchor for c in phrase.constraints if c.anchor), "")
     if phrase.target or not anchor:
-        return fits[phrase.target].order.tolist()
+        return [int(row) for row in fits[phrase.target].order]
     nearest_to = int(fits[anchor].order[0])
-    around = np.argsort(_gaps(snapshot, nearest_to), kind="stable").tolist()
-    return [row for row in around if row != nearest_to]
+    around = np.argsort(_gaps(snapshot, nearest_to), kind="stable")
+    return [int(row) for row in around if row != nearest_to]
 
 
 def _gaps(snapshot: SceneSnapshot, row: int) -> Float64:

@@ -50,7 +50,8 @@ class _Regions:
     def merge_all(self, heaviest: float) -> None:
         """Join across every edge up to ``heaviest``."""
         count = int(np.searchsorted(self._weights, heaviest, side="right"))
-        self._join(*self._edges[:count].T, self._weights[:count])
+        a, b = self._edges[:count].T
+        self._join(a, b, self._weights[:count])
 
     def forget_parallel_edges(self) -> None:
         """Keep only the lightest edge between two regions; the others decide nothing."""
@@ -59,9 +60,7 @@ class _Regions:
         first.sort()
         self._edges, self._weights = self._edges[first], self._weights[first]
 
-    def merge_round(
-        self, scale: float, heaviest: float = np.inf, min_pixels: int = 0
-    ) -> bool:
+    def merge_round(self, scale: float, heaviest: float = np.inf, min_pixels: int = 0) -> bool:
         """Join every region to its nearest neighbour where the predicate holds; False = done."""
         nearest = self._nearest_edges(heaviest)
         a, b = self._edges[nearest].T

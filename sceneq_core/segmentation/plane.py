@@ -6,7 +6,9 @@ import numpy as np
 
 from sceneq_core.arrays import Array, Bool, Float32, Float64
 
-_REFITS = 3
+_REFITS = 8
+_MIN_SHARE = 0.3
+_MAX_POINTS = 3000
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,23 +38,23 @@ class Plane:
 def fitted_plane(closeness: Float32, where: Bool, noise: float) -> tuple[Plane, Bool] | None:
     """Return the plane most of ``where`` lies on and its inliers there, or ``None``.
 
-    Least squares, then refitted to the pixels near the plane within ever fewer times the
-    ``noise`` (1/m): deterministic, and enough where one surface dominates.
+    Least squares, refitted to the better half until only pixels within three times the ``noise``
+    (1/m) are left: deterministic, and enough where one surface dominates.
     """
     v, u = np.nonzero(where)
+    every = max(1, len(u) // _MAX_POINTS)
+    u, v = u[::every], v[::every]
     values = closeness[v, u].astype(np.float64)
     design = np.stack([u, v, np.ones_like(u)], axis=1).astype(np.float64)
     keep = np.ones(len(u), bool)
-    for width in np.geomspace(24, 3, _REFITS):
-        if keep.sum() < max(12, 0.3 * len(u)):
+    for _ in range(_REFITS):
+        if keep.sum() < _MIN_SHARE * len(u):
             return None
-        coefficients = _solve(design[keep], values[keep])
-        keep = np.abs(values - design @ coefficients) < width * noise
-    if keep.sum() < 0.3 * len(u):
-        return None
-    inliers = np.zeros(where.shape, bool)
-    inliers[v[keep], u[keep]] = True
-    return Plane(coefficients), inliers
+        plane = Plane(_solve(design[keep], values[keep]))
+        residual = np.abs(values - design @ plane.coefficients)
+        keep = residual < max(3 * noise, float(np.median(residual)))
+    inliers = where & (np.abs(plane.residual(closeness)) < 3 * noise)
+    return (plane, inliers) if inliers.sum() >= _MIN_SHARE * where.sum() else None
 
 
 def _solve(design: Array, values: Array) -> Float64:

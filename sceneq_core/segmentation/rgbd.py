@@ -13,6 +13,7 @@ from sceneq_core.segmentation.solids import Limits, Solids, solids_of
 from sceneq_core.segmentation.surface import surface_of
 from sceneq_core.segmentation.working_image import enlarged, reduced
 
+_BLUR_PX = 0.8
 _SLIVER = np.ones((5, 5), np.uint8)
 
 
@@ -69,7 +70,7 @@ class RgbdSegmenter:
         surface = surface_of(image, params.depth_noise, params.min_fold_deg)
         solids = solids_of(surface, self._limits(min_pixels, image.closeness.size))
         flats = flats_of(
-            cv2.GaussianBlur(image.colour, (0, 0), 0.8),
+            np.asarray(cv2.GaussianBlur(image.colour, (0, 0), _BLUR_PX), np.float32),
             planes=solids.planes,
             blank=_blank(solids),
             scale=params.colour_scale,
@@ -77,7 +78,8 @@ class RgbdSegmenter:
             min_pixels=min_pixels,
         )
         labels = np.where(flats > 0, flats + solids.labels.max(), solids.labels)
-        return np.ascontiguousarray(enlarged(_numbered(_completed(labels)), frame.depth_m.shape))
+        numbers = _numbered(_completed(labels))
+        return np.ascontiguousarray(enlarged(numbers, image.step, frame.depth_m.shape))
 
     def _limits(self, min_pixels: int, pixels: int) -> Limits:
         params = self._params

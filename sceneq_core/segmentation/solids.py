@@ -10,7 +10,7 @@ from sceneq_core.segmentation.plane import fitted_plane
 from sceneq_core.segmentation.surface import Surface
 
 _GROWTH_PX = 5
-_IN_FRONT_NOISES = 4
+_CLEAR_NOISES = 4
 _TOP = 0.9
 
 
@@ -24,7 +24,7 @@ class Solids:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """``noise`` of inverse depth in 1/m, ``height_m`` of a thing over its plane, sizes in pixels."""
+    """``noise`` in 1/m, ``height_m`` of a thing over its plane, least sizes in pixels."""
 
     noise: float
     height_m: float
@@ -67,14 +67,34 @@ def _parted(surface: Surface, piece: Bool, limits: Limits) -> tuple[Bool, list[B
     if fit is None:
         return np.zeros(piece.shape, bool), []
     plane, inliers = fit
-    front = piece & (plane.residual(surface.closeness) > _IN_FRONT_NOISES * limits.noise)
+    residual = plane.residual(surface.closeness)
+    front = piece & (residual > _CLEAR_NOISES * limits.noise)
+    back = piece & (residual < -_CLEAR_NOISES * limits.noise)
     height_m = plane.height_m(surface.closeness, surface.K)
     raised = _pieces(_morphed(front, cv2.MORPH_OPEN, 3), limits.pixels)
     standing = [t for t in raised if np.quantile(height_m[t], _TOP) > limits.height_m]
+    standing += _carriers(surface, back & (height_m < -limits.height_m), inliers, limits)
     flat = _morphed(inliers | front, cv2.MORPH_CLOSE, 7)
     for thing in standing:
         flat &= ~thing
     return flat, standing
+
+
+def _carriers(surface: Surface, behind: Bool, face: Bool, limits: Limits) -> list[Bool]:
+    """Return the pieces of ``behind`` from whose own plane the ``face`` stands out.
+
+    Two faces of one thing lie behind each other's planes (table top and side); a chair back in
+    front of the floor does not, although the floor is behind the chair's plane.
+    """
+    carriers = []
+    for other in _pieces(_morphed(behind, cv2.MORPH_OPEN, 3), limits.plane_pixels):
+        fit = fitted_plane(surface.closeness, other, limits.noise)
+        if fit is None:
+            continue
+        height_m = fit[0].height_m(surface.closeness, surface.K)
+        if np.median(height_m[face]) > limits.height_m:
+            carriers.append(other)
+    return carriers
 
 
 def _pieces(where: Bool, min_pixels: int) -> list[Bool]:

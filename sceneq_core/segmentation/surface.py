@@ -36,7 +36,8 @@ class Surface:
 
 def surface_of(image: WorkingImage, noise: float, min_fold_deg: float) -> Surface:
     """Return the surface of ``image``; ``noise`` is the depth error in 1/m."""
-    closeness = cv2.bilateralFilter(image.closeness, 7, 4 * noise, 2.0)
+    denoised = cv2.bilateralFilter(image.closeness, 7, 4 * noise, 2.0)
+    closeness = np.asarray(denoised, np.float32)
     closeness[~image.measured] = 0
     slopes = _slopes(closeness)
     steps = _steps(closeness, slopes, 6 * noise)
@@ -56,12 +57,16 @@ def rays(image: WorkingImage) -> tuple[Float32, Float32]:
 
 
 def _slopes(closeness: Float32) -> list[Float32]:
-    """Return the change per pixel along x and y, (h, w) each."""
-    base = _SLOPE_BASE_PX
-    wide = cv2.copyMakeBorder(closeness, base, base, base, base, cv2.BORDER_REPLICATE)
-    along_x = wide[base:-base, 2 * base :] - wide[base:-base, : -2 * base]
-    along_y = wide[2 * base :, base:-base] - wide[: -2 * base, base:-base]
-    return [along_x / (2 * base), along_y / (2 * base)]
+    """Return the change per pixel along x and y, (h, w) each; the border takes the next inside."""
+    return [_slope(closeness.T).T, _slope(closeness)]
+
+
+def _slope(closeness: Float32) -> Float32:
+    base, height = _SLOPE_BASE_PX, closeness.shape[0]
+    if height <= 2 * base:
+        return np.zeros_like(closeness)
+    change = (closeness[2 * base :] - closeness[: -2 * base]) / np.float32(2 * base)
+    return np.pad(change, ((base, base), (0, 0)), mode="edge")
 
 
 def _steps(closeness: Float32, slopes: list[Float32], threshold: float) -> Bool:
@@ -72,7 +77,7 @@ def _steps(closeness: Float32, slopes: list[Float32], threshold: float) -> Bool:
     highest = cv2.dilate(closeness, _CROSS)
     lowest = cv2.erode(np.where(closeness > 0, closeness, _FAR_AWAY), _CROSS)
     steepest = np.maximum(np.abs(slopes[0]), np.abs(slopes[1]))
-    explained = 2 * cv2.erode(steepest, _NEAR)
+    explained = 2 * cv2.erode(np.ascontiguousarray(steepest), _NEAR)
     return np.asarray((highest - lowest - explained > threshold) & (closeness > 0))
 
 

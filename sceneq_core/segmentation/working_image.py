@@ -18,11 +18,13 @@ class WorkingImage:
         closeness: float32 (h, w), inverse depth in 1/m, 0 = no measurement. Triangulating depth
             sensors have the same error everywhere in this unit, and a plane is affine in it.
         K: float64 (3, 3), pixels of the reduced image.
+        step: pixels of the frame per pixel of the reduced image, along both axes.
     """
 
     colour: Float32
     closeness: Float32
     K: Float64
+    step: int
 
     @property
     def measured(self) -> Bool:
@@ -42,13 +44,13 @@ def reduced(frame: Frame, width: int) -> WorkingImage:
     rgb = cv2.resize(frame.rgb, size, interpolation=cv2.INTER_AREA)
     K = np.diag([1 / step, 1 / step, 1.0]) @ frame.K
     K[:2, 2] += 0.5 / step - 0.5
-    colour = cv2.cvtColor(rgb.astype(np.float32) / np.float32(255), cv2.COLOR_RGB2LAB)
-    return WorkingImage(colour, _closeness(frame.depth_m, step), K)
+    lab = cv2.cvtColor(rgb.astype(np.float32) / np.float32(255), cv2.COLOR_RGB2LAB)
+    colour = np.asarray(lab, np.float32)
+    return WorkingImage(colour, _closeness(frame.depth_m, step), K, step)
 
 
-def enlarged(labels: Array, shape: tuple[int, int]) -> Array:
-    """Return ``labels`` repeated to the full ``shape``; the inverse of the reduction."""
-    step = -(-shape[0] // labels.shape[0])
+def enlarged(labels: Array, step: int, shape: tuple[int, int]) -> Array:
+    """Return ``labels`` repeated ``step`` times along both axes, cut to the full ``shape``."""
     full = labels.repeat(step, axis=0).repeat(step, axis=1)
     return full[: shape[0], : shape[1]]
 
@@ -58,11 +60,15 @@ def _closeness(depth_m: Float32, step: int) -> Float32:
     height, width = depth_m.shape
     padded = np.pad(depth_m, ((0, -height % step), (0, -width % step)))
     rows, columns = padded.shape[0] // step, padded.shape[1] // step
-    blocks = padded.reshape(rows, step, columns, step).transpose(0, 2, 1, 3).reshape(rows, columns, -1)
+    blocks = (
+        padded.reshape(rows, step, columns, step).transpose(0, 2, 1, 3).reshape(rows, columns, -1)
+    )
     ordered = np.sort(blocks, axis=2)
     missing = (ordered <= 0).sum(axis=2)
     middle = (missing + step * step) // 2
-    depth = np.take_along_axis(ordered, np.minimum(middle, step * step - 1)[..., None], axis=2)[..., 0]
+    depth = np.take_along_axis(ordered, np.minimum(middle, step * step - 1)[..., None], axis=2)[
+        ..., 0
+    ]
     closeness = np.zeros_like(depth)
     np.divide(1, depth, out=closeness, where=depth > 0)
     return closeness

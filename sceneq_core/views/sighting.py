@@ -78,20 +78,19 @@ def _count(instance_id: Int32) -> dict[int, int]:
 
 def _cropped(mask: Bool) -> tuple[Bool, int, int]:
     """Return a copy of the rows and columns that hold the mask, and the first of each."""
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    top, left = int(rows[0]), int(columns[0])
-    return mask[top : rows[-1] + 1, left : columns[-1] + 1].copy(), top, left
+    left, top, width, height = cv2.boundingRect(mask.view(np.uint8))
+    return mask[top : top + height, left : left + width].copy(), top, left
 
 
 def _filled(mask: Bool) -> Bool:
     """Return the mask with holes of a sample or two closed: depth noise leaves its voxel."""
     kernel = np.ones((3, 3), np.uint8)
-    return cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_CLOSE, kernel).astype(np.bool_)
+    return cv2.morphologyEx(mask.view(np.uint8), cv2.MORPH_CLOSE, kernel).astype(np.bool_)
 
 
 def _without_strays(mask: Bool) -> Bool:
     """Return the mask's largest connected part and those that are not small beside it."""
-    _, part, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
+    _, part, stats, _ = cv2.connectedComponentsWithStats(mask.view(np.uint8), connectivity=8)
     area: Array = stats[:, cv2.CC_STAT_AREA].copy()
     area[0] = 0
     return np.asarray((area >= MIN_PART * area.max())[part] & mask)

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sceneq_nodes._backends import build, kinds
-from support.seven_scenes import write_folder
 
 from sceneq_core.ingest.source import RawFrame, Skipped, Source
 from sceneq_core.ingest.transforms import rigid_defect
+from sceneq_nodes._backends import build, kinds
+
+from support.seven_scenes import write_folder
 
 
 def folder(path: Path) -> Source:

@@ -5,16 +5,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+from sceneq_core.ingest.source import RawFrame
 from sceneq_nodes import ingest as ingest_module
 from sceneq_nodes._images import frame_from_message
 from sceneq_nodes._ingesting import IngestSpecs, open_ingestor
 from sceneq_nodes.ingest import Ingest, IngestParams
 from sceneq_schemas.topics import FRAME, POSE, VIEW_DELTA
 from sceneq_schemas.view import ViewDelta
+
 from support.fake_bus import FakeBus
 from support.seven_scenes import color, write_folder
-
-from sceneq_core.ingest.source import RawFrame
 
 
 class Clock:

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from sceneq_core.views.jpeg import jpeg_size
+from sceneq_core.views.selector import ViewSelector
 from sceneq_nodes._bus import QueryError, Reply
-from sceneq_nodes._convert import map_delta_message
+from sceneq_nodes._convert import map_delta_message, view_set_message
 from sceneq_nodes._images import frame_message
 from sceneq_nodes._wire import from_bytes, to_bytes
 from sceneq_nodes.views import Views, ViewsParams
+from sceneq_schemas.codec import encode
 from sceneq_schemas.topics import (
     FRAME,
     MAP_DELTA,
@@ -212,3 +214,13 @@ def test_a_wildcard_without_seq_gets_no_image(bus):
 def test_parameters_are_checked():
     with pytest.raises(ValueError, match="waiting"):
         ViewsParams(waiting=0)
+
+
+def test_the_node_names_the_views_that_the_selector_alone_names(bus, stream):
+    run(bus, opened(bus), stream)
+    selector, true_map = ViewSelector(), TrueMap(ROOM)
+    for i in range(FRAMES):
+        frame, things = frame_of(ROOM, i, FRAMES)
+        selector.observe(frame, true_map.integrate(frame, things))
+    alone = tuple(view_set_message(view_set) for view_set in selector.view_sets())
+    assert encode(replace(snapshot(bus), view_sets=alone)) == bus.query(VIEW_SNAPSHOT).payload

@@ -21,10 +21,10 @@ VECTORS = st.tuples(METRES, METRES, METRES)
 
 @st.composite
 def motions(draw) -> np.ndarray:
-    T = np.eye(4)
-    T[:3, :3] = Rotation.from_rotvec(draw(st.tuples(RADIANS, RADIANS, RADIANS))).as_matrix()
-    T[:3, 3] = draw(VECTORS)
-    return T
+    T_b_a = np.eye(4)
+    T_b_a[:3, :3] = Rotation.from_rotvec(draw(st.tuples(RADIANS, RADIANS, RADIANS))).as_matrix()
+    T_b_a[:3, 3] = draw(VECTORS)
+    return T_b_a
 
 
 def close(a: np.ndarray, b: np.ndarray) -> None:

@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,6 +13,7 @@ from sceneq_nodes._bus import QueryError, Reply
 from sceneq_nodes._client import Client
 from sceneq_schemas.topics import HEALTH, TOPICS
 from sceneq_tools import cli, scenes, status
+from sceneq_tools.up_command import source_overrides
 
 ANSWER = {
     "status": "found",
@@ -245,10 +247,8 @@ def test_status_shows_nodes_and_scenes(run: Callable[..., Outcome], bus: FakeCli
     code, out, _ = run("status")
     assert code == 0
     rows = [line.split() for line in out.splitlines()]
-    assert [
-        "mapping", "ready", "7", "12.3", "0.4", "80.5", "5", "4", "1", "0", "2",
-        "masks_late=3", "instances=9",
-    ] in rows  # fmt: skip
+    assert ["mapping", "ready", "7", "12.3", "0.4", "80.5", "5", "4", "1", "0", "2"] in rows
+    assert "mapping: instances=9 masks_late=3" in out
     assert ["views", "silent", "8"] in [row[:3] for row in rows]
     assert "scene room: instances=9 alive=1" in out
     told = json.loads(run("status", "--json")[1])
@@ -261,3 +261,18 @@ def test_an_empty_router_is_no_graph(run: Callable[..., Outcome], bus: FakeClien
     code, _, err = run("status", "--connect", "tcp/here:1")
     assert code == 1
     assert err.startswith("sceneq: a router is at tcp/here:1, but no node")
+
+
+def test_options_about_the_source_go_over_the_graph(tmp_path: Path) -> None:
+    given = source_overrides(tmp_path, "room", 30.0, 2, True, True, "files")
+    assert [(o.kind, *o.path, o.value, o.option) for o in given] == [
+        ("", "scene", "room", "--scene"),
+        ("ingest", "source", "path", str(tmp_path), "--source"),
+        ("ingest", "source", "step", 2, "--step"),
+        ("ingest", "source", "loop", True, "--loop"),
+        ("ingest", "source", "use_poses", False, "--no-poses"),
+        ("ingest", "rate_hz", 30.0, "--rate"),
+        ("segmentation", "segmenter", {"kind": "files", "path": str(tmp_path)}, "--segmenter"),
+    ]
+    assert source_overrides(None, None, None, None, False, False, None) == []
+    assert source_overrides(None, None, 0.0, None, False, False, None)[0].value == 0.0

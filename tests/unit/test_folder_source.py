@@ -8,10 +8,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from sceneq_nodes._folder_source import FolderParams, FolderSource
-from support.seven_scenes import SIZE, K, color, depth_mm, pose, write_folder
 
 from sceneq_core.ingest.source import RawFrame, Skipped
+from sceneq_nodes._folder_source import FolderParams, FolderSource
+
+from support.seven_scenes import SIZE, K, color, depth_mm, pose, write_folder
 
 
 def opened(folder: Path, **params) -> FolderSource:
@@ -109,8 +110,8 @@ def write(name: str, data: bytes) -> Callable[[Path], None]:
     return lambda folder: (folder / name).write_bytes(data) and None
 
 
-def pose_file(T: np.ndarray) -> Callable[[Path], None]:
-    return lambda folder: np.savetxt(folder / "frame-000001.pose.txt", T)
+def pose_file(T_world_camera: np.ndarray) -> Callable[[Path], None]:
+    return lambda folder: np.savetxt(folder / "frame-000001.pose.txt", T_world_camera)
 
 
 def image(part: str, array: np.ndarray) -> Callable[[Path], None]:

@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 import pytest
+
 from sceneq_nodes._image_file import decode_depth_mm, decode_rgb, header
 
 RGB = np.random.default_rng(0).integers(0, 255, (30, 40, 3), dtype=np.uint8)
@@ -31,7 +32,7 @@ def test_header_of_a_complete_file(data: bytes, bits: int, channels: int) -> Non
 @pytest.mark.parametrize("data", [file(RGB, ".png"), file(RGB, ".jpg"), file(DEPTH, ".png")])
 def test_a_file_that_was_cut_anywhere_is_refused(data: bytes) -> None:
     for length in range(0, len(data) - 1, 7):
-        with pytest.raises(ValueError, match="cut off|damaged|empty|neither"):
+        with pytest.raises(ValueError, match=r"cut off|damaged|empty|neither"):
             header(data[:length])
 
 
@@ -39,7 +40,7 @@ def test_any_flipped_byte_of_a_png_is_noticed() -> None:
     data = bytearray(file(DEPTH, ".png"))
     for at in range(0, len(data), 11):
         data[at] ^= 0xFF
-        with pytest.raises(ValueError, match="cut off|damaged|neither"):
+        with pytest.raises(ValueError, match=r"cut off|damaged|neither"):
             header(bytes(data))
         data[at] ^= 0xFF
 

@@ -5,13 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.seven_scenes import SIZE, K, color, depth_mm, pose
 
 from sceneq_core.frame import depth_to_mm
 from sceneq_core.ingest.ingestor import Ingested, Ingestor
 from sceneq_core.ingest.keyframes import EveryNth
 from sceneq_core.ingest.source import Camera, RawFrame, Skipped
 from sceneq_core.ingest.trajectory import color_trajectory
+
+from support.seven_scenes import SIZE, K, color, depth_mm, pose
 
 
 class Memory:
@@ -125,9 +126,11 @@ def test_depth_that_does_not_decode_has_no_odometry() -> None:
 
 
 @pytest.mark.parametrize(
-    ("T", "reason"), [(None, "promised"), (np.diag([2.0, 1, 1, 1]), "not rigid")]
+    ("T_world_camera", "reason"), [(None, "promised"), (np.diag([2.0, 1, 1, 1]), "not rigid")]
 )
-def test_a_source_that_breaks_its_promise_is_skipped(T, reason: str) -> None:
-    result = Ingestor(Memory(), every(1)).ingest(replace(Memory().frame(0), T_world_camera=T))
+def test_a_source_that_breaks_its_promise_is_skipped(T_world_camera, reason: str) -> None:
+    result = Ingestor(Memory(), every(1)).ingest(
+        replace(Memory().frame(0), T_world_camera=T_world_camera)
+    )
     assert isinstance(result, Skipped)
     assert reason in result.reason

@@ -5,11 +5,12 @@ import sys
 
 import numpy as np
 import pytest
-from support.room import Room
 
 from sceneq_core.ingest.odometry import KissIcpOdometry
 from sceneq_core.ingest.trajectory import trajectory_report
 from sceneq_core.ingest.transforms import rigid_defect
+
+from support.room import Room
 
 FRAMES = 24
 ROOM = Room()

@@ -11,20 +11,20 @@ POINTS = RNG.normal(size=(40, 3))
 
 
 def moved(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    T = np.eye(4)
-    T[:3, :3] = Rotation.from_rotvec([0.4, -2.0, 1.0]).as_matrix()
-    T[:3, 3] = (4, -7, 2)
-    return points @ T[:3, :3].T + T[:3, 3], T
+    T_b_a = np.eye(4)
+    T_b_a[:3, :3] = Rotation.from_rotvec([0.4, -2.0, 1.0]).as_matrix()
+    T_b_a[:3, 3] = (4, -7, 2)
+    return points @ T_b_a[:3, :3].T + T_b_a[:3, 3], T_b_a
 
 
 def test_alignment_finds_the_motion() -> None:
-    target, T = moved(POINTS)
-    np.testing.assert_allclose(align(POINTS, target), T, atol=1e-12)
+    target, T_b_a = moved(POINTS)
+    np.testing.assert_allclose(align(POINTS, target), T_b_a, atol=1e-12)
 
 
 def test_alignment_never_mirrors() -> None:
-    T = align(POINTS, POINTS * (1, 1, -1))
-    assert np.linalg.det(T[:3, :3]) == pytest.approx(1.0)
+    T_b_a = align(POINTS, POINTS * (1, 1, -1))
+    assert np.linalg.det(T_b_a[:3, :3]) == pytest.approx(1.0)
     flat = POINTS * (1, 1, 0)
     assert np.linalg.det(align(flat, flat)[:3, :3]) == pytest.approx(1.0)
 

@@ -1,0 +1,128 @@
+"""A recording through the whole graph, asked by strangers while it runs."""
+
+import json
+import os
+import signal
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from support.live_graph import LiveGraph, run, write_graph
+from support.recording import write_recording
+
+pytestmark = pytest.mark.integration
+
+NODES = ("ingest", "segmentation", "mapping", "views", "encoding", "routing", "reasoning")
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_recording(tmp_path_factory.mktemp("data") / "room", frames=12)
+
+
+@pytest.fixture(scope="module")
+def graph(tmp_path_factory: pytest.TempPathFactory, recording: Path) -> Path:
+    return write_graph(tmp_path_factory.mktemp("graph"), recording)
+
+
+@pytest.fixture(scope="module")
+def runtime() -> Iterator[Path]:
+    """A short path: a unix socket lives in it."""
+    with tempfile.TemporaryDirectory(prefix="sq") as folder:
+        yield Path(folder)
+
+
+@pytest.fixture(scope="module")
+def settled(graph: Path, recording: Path, runtime: Path) -> Iterator[LiveGraph]:
+    live = LiveGraph(graph, recording, runtime)
+    try:
+        live.wait_until_settled()
+        yield live
+    finally:
+        assert live.close() == 0
+
+
+def test_no_frame_is_lost_on_the_way(settled: LiveGraph) -> None:
+    nodes = settled.status()
+    assert set(NODES) <= set(nodes)
+    assert nodes["ingest"]["values"]["keyframes"] == 12
+    assert nodes["mapping"]["counters"]["frames_integrated"] == 12
+    # Routing wants the newest pose only; older ones are dropped by design.
+    dropped = {name: node["flows"]["dropped"] for name, node in nodes.items() if name != "routing"}
+    assert set(dropped.values()) == {0}
+    assert sum(node["flows"]["undecodable"] for node in nodes.values()) == 0
+
+
+def test_the_live_map_is_the_one_that_sceneq_map_makes(
+    settled: LiveGraph, graph: Path, recording: Path, tmp_path: Path
+) -> None:
+    mapped = run(
+        sys.executable, "-m", "sceneq_tools", "map",
+        str(recording), str(tmp_path / "map"), "--graph", str(graph),
+    )  # fmt: skip
+    assert mapped.returncode == 0, mapped.stderr
+    exported = settled.sceneq("export", str(tmp_path / "live"))
+    assert exported.returncode == 0, exported.stderr
+    a, b = (json.loads((tmp_path / f / "instances.json").read_text()) for f in ("map", "live"))
+    assert a["digest"] == b["digest"]
+    assert a["instance_count"] >= 5
+    assert [i["id"] for i in a["instances"]] == [i["id"] for i in b["instances"]]
+    assert [i["views"] for i in a["instances"]] == [i["views"] for i in b["instances"]]
+    files = np.load(tmp_path / "live" / "instances.npz")
+    assert files["points"].shape == (len(files["instance_id"]), 3)
+    assert files["points"].dtype == np.float32
+    assert files["instance_id"].dtype == np.int32
+    assert (tmp_path / "live" / "cloud.ply").stat().st_size > 10_000
+    assert (tmp_path / "live" / "instances.png").stat().st_size > 1_000
+
+
+def test_a_stranger_gets_an_answer_with_place_and_evidence(settled: LiveGraph) -> None:
+    (answer,) = settled.zenoh_get("sceneq/query/room/instances?q=red ball;k=3")
+    best = answer["instances"][0]
+    assert np.linalg.norm(np.subtract(best["centre"], (-0.35, 0.95, 0.84))) < 0.15
+    assert len(best["views"]) >= 3
+    assert answer["route"] == "fast"
+    assert answer["status"] in ("found", "ambiguous")
+    picture = settled.zenoh_get(best["views"][0]["key"], decoder="base64")[0]
+    assert picture.strip().startswith("/9j/")  # the first bytes of every JPEG, in base64
+
+
+def test_a_wildcard_get_lists_what_can_be_asked(settled: LiveGraph) -> None:
+    answers = settled.zenoh_get("sceneq/query/**")
+    overview = next(a for a in answers if isinstance(a.get("usage"), dict))
+    assert overview["scene"] == "room"
+    assert overview["instances"] >= 5
+    assert len(answers) >= 4
+
+
+def test_the_command_line_answers_and_explains(settled: LiveGraph) -> None:
+    done = settled.sceneq("ask", "the ball on the table", "--json")
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout)
+    assert answer["route"] in ("reasoned", "fallback")
+    assert np.linalg.norm(np.subtract(answer["instances"][0]["centre"], (-0.35, 0.95, 0.84))) < 0.2
+    shown = settled.zenoh_get("sceneq/query/room/instances?q=blue box", decoder="sceneq")[0]
+    assert "blue box" in shown
+
+
+def test_a_killed_node_comes_back_and_queries_work_again(
+    graph: Path, recording: Path, runtime: Path
+) -> None:
+    live = LiveGraph(graph, recording, runtime, "--loop", "--rate", "5")
+    try:
+        live.wait(lambda: live.zenoh_get("sceneq/query/room/status")[0].get("answerable"))
+        for node in NODES:
+            before = live.pids()
+            os.kill(before[node], signal.SIGKILL)
+            live.wait(lambda node=node, old=before[node]: live.pids()[node] != old)
+            live.wait(lambda: live.zenoh_get("sceneq/query/room/instances?q=red ball"))
+            after = live.pids()
+            assert {n: p for n, p in after.items() if n != node} == {
+                n: p for n, p in before.items() if n != node
+            }
+    finally:
+        assert live.close() == 0
