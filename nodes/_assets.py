@@ -26,7 +26,6 @@ import numpy as np
 from sceneq_core.arrays import Float32
 from sceneq_core.encoding.conse import classifier_input
 from sceneq_core.encoding.dead_leaves import dead_leaves
-from sceneq_core.encoding.encoder import Crop
 from sceneq_nodes import _classifier_onnx as classifier
 from sceneq_nodes._sentence import SentenceTower
 
@@ -110,8 +109,7 @@ def _write_classifier(path: Path) -> None:
 
 
 def _calibration(seed: int) -> Float32:
-    rgb = dead_leaves(seed, classifier.SIDE_PX)
-    return classifier_input(Crop(rgb, np.ones(rgb.shape[:2], np.bool_)), classifier.SIDE_PX)
+    return classifier_input(dead_leaves(seed, classifier.SIDE_PX), classifier.SIDE_PX)
 
 
 def _sentence_files() -> tuple[Path, Path]:

@@ -73,7 +73,8 @@ class Mapping:
             return
         message = received.message
         if message.seq in self._done:
-            self._bus.count("frames_repeated", received.topic is FRAME)
+            if received.topic is FRAME:
+                self._repeat(message)
             return
         half = self._frames if received.topic is FRAME else self._masks
         half[message.seq] = message
@@ -98,6 +99,15 @@ class Mapping:
         self._bus.publish(MAP_DELTA, message, scene=self._context.scene)
         self._bus.count("frames_integrated")
         self._bus.report(frame_seq=frame.seq, **self._mapper.counts())
+
+    def _repeat(self, frame: FrameMessage) -> None:
+        """Say again that a frame is in the map: whoever sent it twice missed that."""
+        self._bus.count("frames_repeated")
+        with self._lock:
+            delta = self._mapper.unchanged(frame.seq, frame.stamp_ns)
+            self._seq += 1
+        message = map_delta_message(delta, self._epoch, self._seq)
+        self._bus.publish(MAP_DELTA, message, scene=self._context.scene)
 
     def _drop_oldest(self, half: OrderedDict[int, Any]) -> None:
         if len(half) > self._params.max_waiting:

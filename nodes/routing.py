@@ -85,15 +85,14 @@ class Routing:
         self._follow()
 
     def step(self, received: Received | None) -> None:
-        """Take over one change; look for missed ones when idle."""
-        if received is None:
-            self._warm_up()
-            for follower in self._followers.values():
-                follower.tick()
-        elif isinstance(received.message, Pose):
+        """Take over one change, and look for missed ones: poses may leave no idle moment."""
+        self._warm_up()
+        if received is not None and isinstance(received.message, Pose):
             self._move(received.message)
-        else:
+        elif received is not None:
             self._followers[received.topic].offer(received.message)
+        for follower in self._followers.values():
+            follower.tick()
 
     def close(self) -> None:
         """Nothing to release."""

@@ -108,7 +108,10 @@ class Views:
 
     def _wait(self, frame: Frame) -> None:
         """Keep ``frame`` until the map holds it; acknowledge one that was looked at before."""
-        if (frame.seq, frame.stamp_ns) in self._observed:
+        key = (frame.seq, frame.stamp_ns)
+        if key in self._observed:
+            self._observed.remove(key)
+            self._observed.append(key)
             self._publish_changes(always=True)
             return
         self._waiting[frame.seq] = frame

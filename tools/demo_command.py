@@ -138,11 +138,12 @@ class _Heard:
 
     def source_finished(self) -> bool:
         """Tell whether the last frame is published."""
-        return self._values.get("ingest", {}).get("state") == "finished"
+        return bool(self._values.get("ingest", {}).get("state") == "finished")
 
     def settled(self) -> bool:
         """Tell whether everything seen is described."""
-        return self.source_finished() and self._values.get("encoding", {}).get("pending") == 0
+        pending = self._values.get("encoding", {}).get("pending")
+        return self.source_finished() and pending == 0
 
     def progress(self) -> str:
         """Return how far the graph has come."""

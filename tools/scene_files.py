@@ -15,6 +15,8 @@ from sceneq_core.mapping.replica import MapReplica
 from sceneq_core.picture import draw_cloud, draw_labels, instance_colours, overview
 
 LABELS_IN_PICTURE = 40
+NAMED_FROM_P = 0.3
+"""Less probable names are left out of the picture: their objects go by number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,9 +73,14 @@ class SceneFiles:
         """The likeliest names at their places: a picture with all of them is not readable."""
         likeliest = sorted(self.instances, key=lambda record: (-record["p"], record["id"]))
         return {
-            f"{record['id']} {record['label']}": np.asarray(record["centre"], np.float64)
+            _caption(record): np.asarray(record["centre"], np.float64)
             for record in likeliest[:LABELS_IN_PICTURE]
         }
+
+
+def _caption(record: Mapping[str, Any]) -> str:
+    named = record["p"] >= NAMED_FROM_P
+    return f"{record['id']} {record['label']}" if named else str(record["id"])
 
 
 def _write_ply(path: Path, points_world: Float32, rgb: UInt8) -> None:

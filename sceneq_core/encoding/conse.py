@@ -16,10 +16,6 @@ Classify = Callable[[Float32], tuple[Float32, Float32]]
 Embed = Callable[[str], Float32]
 """Text -> sentence vector, length 1."""
 
-BACKGROUND_GREY = 127
-BACKGROUND_KEPT = 0.5
-"""Half-faded surroundings keep context, and still tell which of two objects is meant."""
-
 
 class Conse:
     """Both towers of the joint space of ``sceneq_core.encoding.joint``.
@@ -59,7 +55,7 @@ class Conse:
         return np.stack([self._text(text) for text in texts])
 
     def _encode_crop(self, crop: Crop) -> tuple[Float32, Float32]:
-        logits, feature = self._classify(classifier_input(crop, self._side_px))
+        logits, feature = self._classify(classifier_input(crop.rgb, self._side_px))
         return image_vector(logits, self._prior, colour_shares(crop.rgb, crop.mask)), feature
 
     def _encode_text(self, text: str) -> Float32:
@@ -68,23 +64,16 @@ class Conse:
         return text_vector(similarity, colours)
 
 
-def classifier_input(crop: Crop, side_px: int) -> Float32:
-    """Return the crop as (1, 3, side, side) float32, scaled (x - 127) / 128, background faded."""
-    faded = _fade_background(crop)
-    shrinks = max(faded.shape[:2]) > side_px
+def classifier_input(rgb: UInt8, side_px: int) -> Float32:
+    """Return an image (h, w, 3) as (1, 3, side, side) float32, scaled (x - 127) / 128.
+
+    What surrounds the object stays: masks made of voxels are rougher than a mug's handle.
+    """
+    shrinks = max(rgb.shape[:2]) > side_px
     square = cv2.resize(
-        faded,
+        rgb,
         (side_px, side_px),
         interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_CUBIC,
     )
     scaled = (square.astype(np.float32) - 127.0) / 128.0
     return np.ascontiguousarray(scaled.transpose(2, 0, 1)[None])
-
-
-def _fade_background(crop: Crop) -> UInt8:
-    """Move pixels off the mask half the way to grey; an empty mask counts as a full one."""
-    if not crop.mask.any():
-        return crop.rgb
-    grey = BACKGROUND_GREY * (1 - BACKGROUND_KEPT)
-    faded = (crop.rgb * BACKGROUND_KEPT + grey).astype(np.uint8)
-    return np.where(crop.mask[..., None], crop.rgb, faded)

@@ -18,14 +18,14 @@ class AssociationParams:
     """When superpoints belong together.
 
     ``views`` keyframes of evidence are kept per superpoint and per group; ``min_agreement`` (see
-    ``agreement``) is needed to join, stay in or merge with a group, two groups need
-    ``min_common_views`` besides; a group is seen in a keyframe, and founded, with at least
-    ``min_pixels`` surface points.
+    ``agreement``) is needed to join a group, and ``hold`` is the hysteresis in favour of the
+    present one; two groups merge from ``merge_agreement`` over ``min_common_views``; a group is
+    seen in a keyframe, and founded, with at least ``min_pixels`` surface points.
     """
 
     views: int = 32
     min_agreement: float = 0.5
-    hold: float = 0.0
+    hold: float = 0.1
     merge_agreement: float = 0.6
     min_common_views: int = 2
     min_pixels: int = 10
@@ -35,6 +35,8 @@ class AssociationParams:
             raise ValueError(f"views: must be at least 1, got {self.views}")
         if not 0.0 < self.min_agreement < 1.0:
             raise ValueError(f"min_agreement: must be in 0..1, got {self.min_agreement}")
+        if not 0.0 <= self.hold < self.min_agreement:
+            raise ValueError(f"hold: must be in 0..min_agreement, got {self.hold}")
         if not 0.5 <= self.merge_agreement < 1.0:
             raise ValueError(f"merge_agreement: must be in 0.5..1, got {self.merge_agreement}")
         if self.min_common_views < 1:

@@ -1,6 +1,6 @@
 """The map: voxels, superpoints and instances, frame by frame."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -59,6 +59,7 @@ class Mapper:
         self._association = Association(params.association)
         self._registry = Registry(params.instances)
         self._gravity = Gravity(params.gravity)
+        self._up_world = self._gravity.up_world()
         self._published = Published(params.publish_step_m)
         self._keyframes = 0
         self._last_seq = -1
@@ -77,6 +78,7 @@ class Mapper:
         touched = self._voxels.integrate(surface)
         cleared = clear_free_space(self._voxels, frame, touched.voxel_id, self._params.free_space)
         self._gravity.add(self._new_normals(known), frame.T_world_camera)
+        self._up_world = self._gravity.up_world()
         renewed, change = self._superpoints.update(
             self._voxels, touched.voxel_id, cleared, self._keyframes
         )
@@ -85,9 +87,7 @@ class Mapper:
         )
         sighting = self._sight(surface, touched, label_image)
         groups = self._association.update(change, sighting, self._keyframes)
-        instances = self._registry.update(
-            groups, self._members, frame.stamp_ns, self._gravity.up_world()
-        )
+        instances = self._registry.update(groups, self._members, frame.stamp_ns, self._up_world)
         self._keyframes += 1
         self._last_seq, self._last_stamp_ns = frame.seq, frame.stamp_ns
         return self._delta(False, changed, self._published.retract(cleared), instances)
@@ -96,6 +96,11 @@ class Mapper:
         """Return the whole map: what all deltas so far add up to, without what was removed."""
         instances = tuple(i for _, i in sorted(self._registry.instances.items()))
         return self._delta(True, self._published.all_ids(), np.zeros(0, np.int32), instances)
+
+    def unchanged(self, seq: int, stamp_ns: int) -> MapDelta:
+        """Return a delta without content that names frame ``seq``."""
+        none = np.zeros(0, np.int32)
+        return replace(self._delta(False, none, none, ()), frame_seq=seq, stamp_ns=stamp_ns)
 
     def counts(self) -> dict[str, int]:
         """Return the size of the map for a health report."""
@@ -126,7 +131,7 @@ class Mapper:
             frame_seq=self._last_seq,
             stamp_ns=self._last_stamp_ns,
             voxel_size_m=self._params.voxel_size_m,
-            up_world=self._gravity.up_world(),
+            up_world=self._up_world,
             voxel_id=voxel_id,
             voxel_coord=self._voxels.coord(voxel_id),
             points_world=self._published.points_world[voxel_id],

@@ -5,8 +5,6 @@ from itertools import product
 
 import cv2
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from sceneq_core.arrays import Bool, Float32, Float64, Int32, Int64
 from sceneq_core.mapping.cells import CELL_BITS, CELL_SIDE
@@ -111,6 +109,10 @@ def _edges_within_cells(coord: Int32) -> Int64:
 
 
 def _components(edges: Int64, count: int) -> Int32:
+    # Imported here because it takes half of the start-up time of a process that maps.
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
     ones = np.ones(edges.shape[1], np.bool_)
     graph = coo_matrix((ones, (edges[0], edges[1])), shape=(count, count))
     label: Int32 = connected_components(graph, directed=False)[1]

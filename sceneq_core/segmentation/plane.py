@@ -2,11 +2,14 @@
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
-from sceneq_core.arrays import Array, Bool, Float32, Float64
+from sceneq_core.arrays import Array, Bool, Float32, Float64, UInt8
+from sceneq_core.segmentation.surface import Surface
 
-_REFITS = 8
+_REFITS = 30
+_MIN_POINTS = 12
 _MIN_SHARE = 0.3
 _MAX_POINTS = 3000
 
@@ -35,26 +38,36 @@ class Plane:
         return np.asarray(self.residual(closeness) * depth / length, np.float32)
 
 
-def fitted_plane(closeness: Float32, where: Bool, noise: float) -> tuple[Plane, Bool] | None:
-    """Return the plane most of ``where`` lies on and its inliers there, or ``None``.
+def fitted_plane(surface: Surface, where: Bool, noise: float) -> tuple[Plane, Bool] | None:
+    """Return the plane that a good part of ``where`` lies on and its inliers, or ``None``.
 
-    Least squares, refitted to the better half until only pixels within three times the ``noise``
-    (1/m) are left: deterministic, and enough where one surface dominates.
+    Begins with the largest patch that faces the commonest way, then refits to its better half
+    until the pixels within three times the ``noise`` (1/m) are left: deterministic, no sampling.
     """
     v, u = np.nonzero(where)
     every = max(1, len(u) // _MAX_POINTS)
     u, v = u[::every], v[::every]
-    values = closeness[v, u].astype(np.float64)
+    values = surface.closeness[v, u].astype(np.float64)
     design = np.stack([u, v, np.ones_like(u)], axis=1).astype(np.float64)
-    keep = np.ones(len(u), bool)
+    keep = _seed(surface.facing, where)[v, u]
     for _ in range(_REFITS):
-        if keep.sum() < _MIN_SHARE * len(u):
+        if keep.sum() < _MIN_POINTS:
             return None
         plane = Plane(_solve(design[keep], values[keep]))
         residual = np.abs(values - design @ plane.coefficients)
-        keep = residual < max(3 * noise, float(np.median(residual)))
-    inliers = where & (np.abs(plane.residual(closeness)) < 3 * noise)
+        before, keep = keep, residual < max(3 * noise, float(np.median(residual[keep])))
+        if np.array_equal(before, keep):
+            break
+    inliers = where & (np.abs(plane.residual(surface.closeness)) < 3 * noise)
     return (plane, inliers) if inliers.sum() >= _MIN_SHARE * where.sum() else None
+
+
+def _seed(facing: UInt8, where: Bool) -> Bool:
+    """Return the largest connected patch, (h, w), that faces the way most of ``where`` does."""
+    commonest = np.bincount(facing[where]).argmax()
+    alike = (where & (facing == commonest)).astype(np.uint8)
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(alike, connectivity=4)
+    return np.asarray(labels == 1 + stats[1:, cv2.CC_STAT_AREA].argmax())
 
 
 def _solve(design: Array, values: Array) -> Float64:

@@ -63,7 +63,7 @@ def _parted(surface: Surface, piece: Bool, limits: Limits) -> tuple[Bool, list[B
     What is thin, such as a magazine, stays in the flat part, where colour draws a better outline
     than depth; the flat part is closed over small holes for the same reason.
     """
-    fit = fitted_plane(surface.closeness, piece, limits.noise)
+    fit = fitted_plane(surface, piece, limits.noise)
     if fit is None:
         return np.zeros(piece.shape, bool), []
     plane, inliers = fit
@@ -88,7 +88,7 @@ def _carriers(surface: Surface, behind: Bool, face: Bool, limits: Limits) -> lis
     """
     carriers = []
     for other in _pieces(_morphed(behind, cv2.MORPH_OPEN, 3), limits.plane_pixels):
-        fit = fitted_plane(surface.closeness, other, limits.noise)
+        fit = fitted_plane(surface, other, limits.noise)
         if fit is None:
             continue
         height_m = fit[0].height_m(surface.closeness, surface.K)

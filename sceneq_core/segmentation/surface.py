@@ -1,11 +1,12 @@
 """Where a depth image is smooth, where it jumps and where it folds inwards."""
 
 from dataclasses import dataclass
+from itertools import product
 
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import Array, Bool, Float32, Float64
+from sceneq_core.arrays import Array, Bool, Float32, Float64, UInt8
 from sceneq_core.segmentation.working_image import WorkingImage
 
 _SLOPE_BASE_PX = 2
@@ -13,6 +14,8 @@ _FOLD_BASE_PX = 3
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 _NEAR = np.ones((7, 7), np.uint8)
 _FAR_AWAY = np.float32(1e6)
+_STEPS = [np.array(step, np.float32) for step in product((-1, 0, 1), repeat=3) if any(step)]
+_DIRECTIONS = np.stack([step / np.float32(np.linalg.norm(step)) for step in _STEPS])
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +26,7 @@ class Surface:
         closeness: float32 (h, w), 1/m, denoised, 0 = no measurement.
         K: float64 (3, 3), pixels.
         normals_camera: float32 (h, w, 3), unit, towards the camera.
+        facing: uint8 (h, w), which of 26 directions over the sphere is nearest to the normal.
         steps: bool (h, w), beside a depth discontinuity.
         creases: bool (h, w), on a concave fold, such as where an object stands on a table.
     """
@@ -30,6 +34,7 @@ class Surface:
     closeness: Float32
     K: Float64
     normals_camera: Float32
+    facing: UInt8
     steps: Bool
     creases: Bool
 
@@ -44,8 +49,9 @@ def surface_of(image: WorkingImage, noise: float, min_fold_deg: float) -> Surfac
     smooth = image.measured & ~steps
     slopes = [_smoothed(slope, smooth) for slope in slopes]
     normals = _normals(closeness, slopes, image)
+    facing = np.argmax(normals @ _DIRECTIONS.T, axis=2).astype(np.uint8)
     creases = _creases(closeness, normals, smooth, image, min_fold_deg)
-    return Surface(closeness, image.K, normals, steps, creases)
+    return Surface(closeness, image.K, normals, facing, steps, creases)
 
 
 def rays(image: WorkingImage) -> tuple[Float32, Float32]:

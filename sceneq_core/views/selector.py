@@ -17,7 +17,7 @@ from sceneq_core.views.view import View, ViewSet
 
 BOX_TOLERANCE_PX = 4.0
 SIZE_TOLERANCE = 0.1
-MOVED_TOLERANCE = 0.05
+MOVED_TOLERANCE = 0.02
 """A view whose box and visible pixels changed less than this is left as it is: a crop is not the
 better for it, and every change costs its readers an encoding. When hardly any pixel moved, the
 view is not even made to compare."""

@@ -87,11 +87,14 @@ def test_the_snapshot_before_the_first_frame_is_empty_and_has_the_epoch():
     assert before.epoch == bus.sent(MAP_DELTA)[0].epoch
 
 
-def test_a_resent_frame_is_counted_and_not_integrated_twice():
+def test_a_resent_frame_is_acknowledged_again_and_not_integrated_twice():
     node, bus = opened()
-    show(node, bus, 0, 0)
-    assert len(bus.sent(MAP_DELTA)) == 1
+    show(node, bus, 0, 1, 0)
+    again = bus.sent(MAP_DELTA)[2]
+    assert (again.seq, again.frame_seq) == (3, 0)
+    assert (len(again.voxel_id), again.instances) == (0, ())
     assert bus.counters["frames_repeated"] == 1
+    assert snapshot(bus).frame_seq == 1
 
 
 def test_a_lone_half_is_given_up_when_enough_newer_ones_wait():

@@ -419,3 +419,15 @@ def test_bad_parameters_are_refused():
     bus = FakeBus()
     with pytest.raises(ValueError, match="unknown 'coco'"):
         Routing(Routing.Params(encoder={"kind": "words"}, label_set="coco"), bus.context).open(bus)
+
+
+def test_a_stream_of_poses_does_not_keep_it_from_catching_up(monkeypatch):
+    bus = FakeBus()
+    node = Routing(PARAMS, bus.context)
+    node.open(bus)
+    monkeypatch.setattr("sceneq_nodes._follow.RETRY_S", 0.0)
+    for follower in node._followers.values():
+        follower._next_ask = 0.0
+    asked = len(bus.asked)
+    bus.deliver(node, POSE, pose((0.0, 0.0, 0.0)))
+    assert len(bus.asked) == asked + 3

@@ -28,7 +28,7 @@ nodes:
     params: {{encoder: {{kind: hash}}, labels: [{labels}]}}
   - id: reasoning
 """
-LABELS = "red ball, blue box, green box, yellow ball, brown table, grey wall"
+LABELS = "ball, box, table, wall, floor"
 
 
 def write_graph(folder: Path, recording: Path, segmenter: str = "files") -> Path:
@@ -67,7 +67,7 @@ class LiveGraph:
         mode = ("--mode", "client", "--connect", self.endpoint)
         done = run(cli, *mode, "get", "-s", selector, "--decoder", decoder)
         if decoder != "json":
-            return [done.stdout]
+            return [done.stdout] if done.stdout else []
         lines = [line for line in done.stdout.splitlines() if "{" in line]
         return [json.loads(line[line.index("{") :]) for line in lines]
 

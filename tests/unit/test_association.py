@@ -154,6 +154,7 @@ def test_a_sighting_takes_the_segment_that_covers_more_than_half():
     [
         ({"views": 0}, "views"),
         ({"min_agreement": 1.0}, "min_agreement"),
+        ({"hold": 0.5}, "hold"),
         ({"merge_agreement": 0.4}, "merge_agreement"),
         ({"min_common_views": 0}, "min_common_views"),
         ({"min_pixels": 0}, "min_pixels"),

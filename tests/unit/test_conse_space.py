@@ -6,7 +6,6 @@ import pytest
 from sceneq_core.encoding.colour import COLOUR_TERMS
 from sceneq_core.encoding.conse import Conse, classifier_input
 from sceneq_core.encoding.dead_leaves import dead_leaves
-from sceneq_core.encoding.encoder import Crop
 from sceneq_core.encoding.joint import CLASSES, DIM, image_vector, text_vector
 from sceneq_core.encoding.prior import indoor_prior
 
@@ -71,16 +70,14 @@ def test_the_prior_is_a_thousand_centred_numbers():
     assert np.isfinite(prior).all()
 
 
-def test_the_classifier_sees_the_object_and_half_of_its_surroundings():
+def test_the_classifier_sees_the_whole_crop_scaled():
     rgb = np.full((10, 20, 3), 255, np.uint8)
-    mask = np.zeros((10, 20), bool)
-    mask[:, :10] = True
-    image = classifier_input(Crop(rgb, mask), 260)
+    rgb[:, 10:] = 127
+    image = classifier_input(rgb, 260)
     assert image.shape == (1, 3, 260, 260)
+    assert image.dtype == np.float32
     assert image[0, :, 130, 20] == pytest.approx(1.0)
-    assert image[0, :, 130, 240] == pytest.approx(0.5, abs=0.01)
-    whole = classifier_input(Crop(rgb, np.zeros_like(mask)), 260)
-    assert whole[0, :, 130, 240] == pytest.approx(1.0)
+    assert image[0, :, 130, 240] == pytest.approx(0.0)
 
 
 def test_texts_are_embedded_once():

@@ -96,8 +96,8 @@ def test_without_colour_depth_alone_finds_the_cup_and_not_the_poster():
 def test_larger_images_give_the_same_things(factor):
     frame, truth = room()
     up = [a.repeat(factor, 0).repeat(factor, 1) for a in (frame.rgb, frame.depth_m, truth)]
-    K_up = np.diag([factor, factor, 1.0]) @ K
-    labels = RgbdSegmenter(RgbdParams()).segment(Frame(1, 1, up[0], up[1], K_up, np.eye(4)))
+    large = Frame(1, 1, up[0], up[1], np.diag([factor, factor, 1.0]) @ K, np.eye(4))
+    labels = RgbdSegmenter(RgbdParams()).segment(large)
     assert labels.shape == up[2].shape
     assert best_iou(labels, up[2] == 5) > 0.75
 
