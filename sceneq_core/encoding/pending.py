@@ -10,8 +10,9 @@ ViewKey = tuple[int, int, bytes]
 class Pending:
     """View sets that wait to be described: at most one for each instance, the latest.
 
-    Never described instances come first, then the one of which most views are new; equals in the
-    order of their ids.
+    Never described instances come first, with their best view only: one look makes an instance
+    answerable, the others refine it later. Then the one of which most views are new; equals in
+    the order of their ids.
     """
 
     def __init__(self) -> None:
@@ -26,10 +27,14 @@ class Pending:
         self._waiting[view_set.instance_id] = view_set
 
     def take(self) -> ViewSet | None:
-        """Return the most urgent view set; it no longer waits."""
+        """Return the most urgent view set, or its best view while the whole set waits on."""
         if not self._waiting:
             return None
-        return self._waiting.pop(min(self._waiting, key=self._urgency))
+        instance_id = min(self._waiting, key=self._urgency)
+        view_set = self._waiting[instance_id]
+        if instance_id not in self._described and len(view_set.views) > 1:
+            return ViewSet(instance_id, view_set.views[:1])
+        return self._waiting.pop(instance_id)
 
     def settle(self, view_set: ViewSet) -> None:
         """Remember that ``view_set`` was described."""

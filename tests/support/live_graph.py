@@ -45,7 +45,7 @@ class LiveGraph:
     def __init__(self, graph: Path, recording: Path, runtime: Path, *options: str) -> None:
         self.port = free_port()
         self.endpoint = f"tcp/127.0.0.1:{self.port}"
-        self.log = graph.parent / "up.log"
+        self.log = graph.parent / f"up-{self.port}.log"
         command = ["up", str(graph), "--source", str(recording), "--port", str(self.port)]
         with self.log.open("wb") as log:
             self.process = subprocess.Popen(

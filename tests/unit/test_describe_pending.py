@@ -11,6 +11,10 @@ def view_set(instance_id, *seqs):
     return ViewSet(instance_id, tuple(View(seq, seq, 1, box, mask) for seq in seqs))
 
 
+def seqs(view_set):
+    return [view.seq for view in view_set.views]
+
+
 def drain(pending):
     taken = []
     while (one := pending.take()) is not None:
@@ -24,8 +28,18 @@ def test_the_latest_view_set_replaces_the_one_that_waits():
     pending.put(view_set(1, 10))
     pending.put(view_set(1, 10, 20))
     assert len(pending) == 1
-    assert [view.seq for view in pending.take().views] == [10, 20]
-    assert pending.take() is None
+    assert seqs(pending.take()) == [10]
+
+
+def test_the_best_view_comes_first_and_the_whole_set_when_there_is_time():
+    pending = Pending()
+    pending.put(view_set(1, 10, 20))
+    pending.put(view_set(2, 10))
+    taken = []
+    while (one := pending.take()) is not None:
+        pending.settle(one)
+        taken.append((one.instance_id, seqs(one)))
+    assert taken == [(1, [10]), (2, [10]), (1, [10, 20])]
 
 
 def test_new_instances_come_first_then_those_that_changed_most():
