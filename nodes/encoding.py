@@ -4,8 +4,9 @@ Reads   sceneq/view/<scene>/delta/v1 (state, healed from its snapshot); pictures
         sceneq/view/<scene>/@image/v1.
 Writes  sceneq/feat/<scene>/<model>/delta/v1, one instance at a time: epoch = start time in ns.
 Serves  sceneq/feat/<scene>/<model>/@snapshot/v1: all descriptors as one message.
-Rate    as fast as the encoder, at lower priority than the mapping. At most one view set waits for
-        each instance, the latest; the last descriptor depends on the last view set only.
+Rate    as fast as the encoder, at lower priority than the mapping: first every instance by its
+        best view, then by all. At most one view set waits for each instance, the latest; the
+        last descriptor depends on the last view set only.
 Bad     a view without picture is skipped (``images_gone``, ``images_bad``), an instance without
         any keeps its old descriptor (``instances_unseen``); a view set that does not decode is
         skipped (``view_sets_bad``). While nobody answers for pictures the instances wait.
@@ -127,7 +128,7 @@ class Encoding:
         except UnreachableError as error:
             self._bus.count("pictures_unreachable")
             log.warning("instance %d waits: %s", view_set.instance_id, error)
-            self._pending.put(view_set)
+            self._pending.give_back(view_set)
             self._resume_s = time.monotonic() + PATIENCE_S
         self._report()
 

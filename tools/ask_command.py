@@ -2,11 +2,13 @@
 
 import json
 from enum import StrEnum
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 if TYPE_CHECKING:
+    from sceneq_nodes._client import Client
     from sceneq_tools.scenes import Asked
 
 FAST_TIMEOUT_S = 10.0
@@ -30,6 +32,9 @@ def run(
         Mode | None, typer.Option(help="fast: descriptors only; reason: always the reasoner.")
     ] = None,
     k: Annotated[int, typer.Option("-k", min=1, help="How many instances to show.")] = 5,
+    evidence: Annotated[
+        Path | None, typer.Option(metavar="PNG", help="Write the views of the best instances.")
+    ] = None,
     connect: Endpoint = DEFAULT_ENDPOINT,
 ) -> None:
     """Ask the map a question; exit code 0 = answered, 1 = no answer, 2 = wrong usage."""
@@ -47,10 +52,24 @@ def run(
     with scenes.connect(connect) as client:
         name = scenes.need_scene(client, scene)
         asked = scenes.ask(client, topic, name, request, timeout_s)
+        if evidence is not None:
+            show_evidence(client, asked, evidence)
     if as_json:
         typer.echo(json.dumps(asked.body, ensure_ascii=False, indent=2))
     else:
         _print(asked)
+
+
+def show_evidence(client: "Client", asked: "Asked", path: Path) -> None:
+    """Write the views of an answer's best instances as a picture and say so on stderr."""
+    from sceneq_tools.evidence import write_evidence
+
+    def picture(key: str) -> bytes | None:
+        replies, _ = client.get(key, timeout_s=FAST_TIMEOUT_S)
+        return replies[-1][1].payload if replies else None
+
+    written = write_evidence(asked.body, picture, path)
+    typer.echo(f"evidence: {path}" if written else "evidence: no instance to show", err=True)
 
 
 def _print(asked: "Asked") -> None:

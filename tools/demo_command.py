@@ -9,8 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from sceneq_tools.ask_command import show_evidence
+
 if TYPE_CHECKING:
     from sceneq_nodes._client import Client
+    from sceneq_tools.scenes import Asked
 
 QUESTIONS = ("chair", "red mug", "the monitor on the table", "bicycle")
 RATE_HZ = 30.0
@@ -52,8 +55,8 @@ def _show(graph: "subprocess.Popen[bytes]", endpoint: str, out: Path, questions:
         scene = _first_instances(graph, client)
         _ask_while_it_plays(graph, client, scene, questions)
         typer.echo("\nthe recording is over; the same questions to the whole map:")
-        for text in questions:
-            _ask(client, scene, text)
+        for number, text in enumerate(questions, 1):
+            show_evidence(client, _ask(client, scene, text), out / f"evidence-{number}.png")
         files = collect(getter(client, scene), scene)
         typer.echo(describe(files.write(out), out))
         typer.echo(f"picture: {out / 'instances.png'}")
@@ -104,13 +107,14 @@ def _ask_while_it_plays(
         time.sleep(POLL_S)
 
 
-def _ask(client: "Client", scene: str, text: str) -> None:
+def _ask(client: "Client", scene: str, text: str) -> "Asked":
     from sceneq_schemas.topics import QUERY_ASK
     from sceneq_tools.answer_text import as_text
     from sceneq_tools.scenes import ask
 
     asked = ask(client, QUERY_ASK, scene, {"q": text, "k": 3}, 10.0)
     typer.echo(as_text(asked.body))
+    return asked
 
 
 def _need_running(graph: "subprocess.Popen[bytes]") -> None:

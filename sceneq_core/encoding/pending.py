@@ -36,6 +36,10 @@ class Pending:
             return ViewSet(instance_id, view_set.views[:1])
         return self._waiting.pop(instance_id)
 
+    def give_back(self, view_set: ViewSet) -> None:
+        """Let a view set that could not be described wait again, unless a fuller one does."""
+        self._waiting.setdefault(view_set.instance_id, view_set)
+
     def settle(self, view_set: ViewSet) -> None:
         """Remember that ``view_set`` was described."""
         self._described[view_set.instance_id] = frozenset(_keys(view_set))

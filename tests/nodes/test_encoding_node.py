@@ -101,7 +101,7 @@ def test_the_snapshot_is_the_sum_of_the_deltas(bus, node):
 
 def test_only_the_latest_views_are_encoded_and_history_leaves_no_trace(bus, node):
     bus.deliver(node, VIEW_DELTA, delta(1, view_set(1, 10)))
-    bus.deliver(node, VIEW_DELTA, delta(2, view_set(1, 10, 20)))
+    bus.deliver(node, VIEW_DELTA, delta(2, view_set(1, 20)))
     work(node)
     assert described(bus) == [1]
     bus.deliver(node, VIEW_DELTA, delta(3, view_set(1, 20, 30)))
@@ -116,6 +116,14 @@ def test_only_the_latest_views_are_encoded_and_history_leaves_no_trace(bus, node
     quick = snapshot(other).descriptors[0]
     assert slow.descriptor.tobytes() == quick.descriptor.tobytes()
     assert slow.view_seq.tolist() == quick.view_seq.tolist() == [20, 30]
+
+
+def test_every_instance_is_answerable_before_one_is_refined(bus, node):
+    bus.deliver(node, VIEW_DELTA, delta(1, view_set(1, 20, 10, 30), view_set(2, 10, 20)))
+    work(node)
+    assert described(bus) == [1, 2, 1, 2]
+    looks = [m.descriptors[0].view_seq.tolist() for m in bus.sent(FEATURE_DELTA)]
+    assert looks == [[20], [10], [10, 20, 30], [10, 20]]
 
 
 def test_each_picture_is_fetched_once(bus, node):
@@ -138,8 +146,8 @@ def test_an_instance_that_is_gone_takes_its_descriptor_along(bus, node):
 def test_views_whose_picture_is_gone_are_skipped(bus, node):
     bus.deliver(node, VIEW_DELTA, delta(1, view_set(1, 10, 77), view_set(2, 78)))
     work(node)
-    assert described(bus) == [1]
-    assert bus.sent(FEATURE_DELTA)[0].descriptors[0].view_seq.tolist() == [10]
+    assert described(bus) == [1, 1]
+    assert bus.sent(FEATURE_DELTA)[-1].descriptors[0].view_seq.tolist() == [10]
     assert bus.counters["images_gone"] == 2
     assert bus.counters["instances_unseen"] == 1
 

@@ -57,10 +57,20 @@ def test_what_was_taken_but_not_settled_is_still_new():
     pending.put(view_set(1, 10))
     drain(pending)
     pending.put(view_set(5, 10))
-    taken = pending.take()
-    pending.put(taken)
+    pending.give_back(pending.take())
     pending.put(view_set(1, 20, 30))
     assert drain(pending) == [5, 1]
+
+
+def test_what_is_given_back_does_not_replace_what_waits():
+    pending = Pending()
+    pending.put(view_set(1, 10, 20))
+    pending.give_back(pending.take())
+    pending.settle(pending.take())
+    taken = pending.take()
+    pending.put(view_set(1, 30))
+    pending.give_back(taken)
+    assert seqs(pending.take()) == [30]
 
 
 def test_what_is_gone_is_forgotten():
