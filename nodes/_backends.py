@@ -6,7 +6,6 @@ it. Third parties add kinds by the entry-point group ``sceneq.<seam>``.
 
 import importlib
 from collections.abc import Mapping
-from importlib.metadata import entry_points
 from typing import Any
 
 from sceneq_nodes import NODES
@@ -58,7 +57,7 @@ def load(seam: str, kind: str, path: tuple[str | int, ...] = ()) -> type[Any]:
     Raises:
         ParamError: no such kind, or its module cannot be imported.
     """
-    target = kinds(seam).get(kind)
+    target = BACKENDS[seam].get(kind) or kinds(seam).get(kind)
     if target is None:
         raise ParamError((*path, "kind"), kind, "unknown kind", did_you_mean(kind, kinds(seam)))
     module, _, name = target.partition(":")
@@ -70,6 +69,8 @@ def load(seam: str, kind: str, path: tuple[str | int, ...] = ()) -> type[Any]:
 
 
 def kinds(seam: str) -> dict[str, str]:
-    """Return every known kind of a seam with its ``module:Class``."""
+    """Return every known kind of a seam with its ``module:Class``; scans what is installed."""
+    from importlib.metadata import entry_points
+
     plugins = {point.name: point.value for point in entry_points(group=f"sceneq.{seam}")}
     return plugins | BACKENDS[seam]

@@ -20,7 +20,7 @@ from sceneq_nodes._sentence import SentenceTower, session
 
 @dataclass(frozen=True, slots=True)
 class ConseParams:
-    """``threads`` a session may use; ``text_cache`` texts are remembered."""
+    """``threads`` a model may use; ``text_cache`` texts are remembered."""
 
     threads: int = 1
     text_cache: int = 4096

@@ -14,6 +14,7 @@ from sceneq_nodes._counters import Counters
 log = logging.getLogger(__name__)
 
 PERIOD_S = 1.0
+LAST_BEAT_S = 0.1
 
 Publish = Callable[[dict[str, Any], dict[str, Any]], None]
 
@@ -34,6 +35,7 @@ class Health:
         self._clock = clock
         self._started = clock()
         self._step_began: float | None = None
+        self._due = threading.Event()
 
     @contextmanager
     def step(self) -> Iterator[None]:
@@ -59,9 +61,36 @@ class Health:
             **self._counters.snapshot(),
         }
 
-    def beat(self, publish: Callable[[], None], stop: threading.Event) -> None:
-        """Call ``publish`` every ``PERIOD_S`` on a thread until ``stop`` is set."""
-        threading.Thread(target=_repeat, args=(publish, stop), name="health", daemon=True).start()
+    def beat(self, publish: Callable[[], None], stop: threading.Event) -> Callable[[], None]:
+        """Call ``publish`` every ``PERIOD_S`` on a thread until ``stop`` is set.
+
+        Returns:
+            What sets ``stop`` and waits for a beat that is on its way, ``LAST_BEAT_S`` at most.
+        """
+        heart = threading.Thread(target=self._repeat, args=(publish, stop), name="health")
+        heart.daemon = True
+        heart.start()
+
+        def rest() -> None:
+            stop.set()
+            self.hurry()
+            heart.join(LAST_BEAT_S)
+
+        return rest
+
+    def hurry(self) -> None:
+        """Beat now: the state has changed and others wait for it."""
+        self._due.set()
+
+    def _repeat(self, publish: Callable[[], None], stop: threading.Event) -> None:
+        while not stop.is_set():
+            self._due.clear()
+            try:
+                publish()
+            except Exception:
+                if not stop.is_set():
+                    log.exception("no heartbeat")
+            self._due.wait(PERIOD_S)
 
 
 def metrics(health: dict[str, Any]) -> dict[str, Any]:
@@ -82,13 +111,3 @@ def rss_mb() -> float:
     except (OSError, IndexError, ValueError):
         return 0.0
     return round(pages * os.sysconf("SC_PAGE_SIZE") / 2**20, 1)
-
-
-def _repeat(publish: Callable[[], None], stop: threading.Event) -> None:
-    while not stop.is_set():
-        try:
-            publish()
-        except Exception:
-            if not stop.is_set():
-                log.exception("no heartbeat")
-        stop.wait(PERIOD_S)

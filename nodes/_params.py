@@ -3,9 +3,12 @@
 import difflib
 from collections.abc import Mapping
 from dataclasses import MISSING, fields
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from pydantic import TypeAdapter, ValidationError
+from sceneq_nodes._plain_values import NotPlainError, make
+
+if TYPE_CHECKING:
+    from pydantic import TypeAdapter
 
 P = TypeVar("P")
 
@@ -35,6 +38,15 @@ def validate(cls: type[P], values: Mapping[str, Any], path: tuple[str | int, ...
         if name not in values and field.default is MISSING and field.default_factory is MISSING:
             raise ParamError((*path, name), None, "missing key", f"add '{name}: ...'")
     try:
+        return make(cls, values)
+    except NotPlainError:
+        return _convert(cls, values, path)
+
+
+def _convert(cls: type[P], values: Mapping[str, Any], path: tuple[str | int, ...]) -> P:
+    from pydantic import ValidationError
+
+    try:
         return _adapter(cls).validate_python(dict(values))
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
@@ -48,10 +60,12 @@ def did_you_mean(word: str, known: Mapping[str, Any] | set[str]) -> str:
     return f"did you mean '{close[0]}'?" if close else f"known: {', '.join(sorted(known))}"
 
 
-_ADAPTERS: dict[Any, TypeAdapter[Any]] = {}
+_ADAPTERS: dict[Any, "TypeAdapter[Any]"] = {}
 
 
-def _adapter(cls: type[P]) -> TypeAdapter[P]:
+def _adapter(cls: type[P]) -> "TypeAdapter[P]":
+    from pydantic import TypeAdapter
+
     if cls not in _ADAPTERS:
         _ADAPTERS[cls] = TypeAdapter(cls)
     return _ADAPTERS[cls]

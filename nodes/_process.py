@@ -59,11 +59,10 @@ def run(node_class: type[Node], params: Any, launch: Launch) -> int:
     log.info("connecting to %s", launch.endpoint)
     bus = ZenohBus(launch.context, launch.endpoint, counters)
     leave.callback(bus.close)
-    health.beat(lambda: _publish_health(bus, health), stop.event)
+    leave.callback(health.beat(lambda: _publish_health(bus, health), stop.event))
     try:
         return _live(node_class(params, launch.context), bus, health, stop.event)
     finally:
-        stop.event.set()
         leave.close()
 
 
@@ -91,6 +90,7 @@ def _live(node: Node, bus: ZenohBus, health: Health, stop: Event) -> int:
         return BUG
     bus.announce(str(os.getpid()))
     health.state = "ready"
+    health.hurry()
     log.info("ready")
     try:
         return _loop(node, bus, health, stop)

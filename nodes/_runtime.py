@@ -272,7 +272,7 @@ def open_session(endpoint: str, timeout_s: float | None = None) -> zenoh.Session
         "endpoints": [endpoint],
         "timeout_ms": -1 if timeout_s is None else int(1000 * timeout_s),
         "exit_on_failure": timeout_s is not None,
-        "retry": {"period_init_ms": 200, "period_max_ms": 1000},
+        "retry": {"period_init_ms": 100, "period_max_ms": 300},
     }
     try:
         return _open("client", connect=connect)

@@ -13,14 +13,15 @@ QUERY_TIMEOUT_MS = 30_000
 def session_config(mode: str, **entries: Any) -> dict[str, Any]:
     """Return the configuration of a session in ``mode`` (client, router) plus ``entries``.
 
-    No multicast: a process talks to its machine's router and to nobody it was not told of. Only
+    No multicast: a process talks to its machine's router and to nobody it was not told of, and a
+    router does not wait half a second for others that might answer. Only
     published data goes through shared memory; queries stay on the link, in order. What a killed
     process leaves in /dev/shm is removed by the next one that starts; where /dev/shm is small or
     full, data goes over the link instead.
     """
     return {
         "mode": mode,
-        "scouting": {"multicast": {"enabled": False}},
+        "scouting": {"multicast": {"enabled": False}, "delay": 0},
         "timestamping": {"enabled": True},
         "queries_default_timeout": QUERY_TIMEOUT_MS,
         "transport": {"shared_memory": _SHARED_MEMORY, "link": _LINK},

@@ -18,7 +18,8 @@ class Window(Generic[M]):
 
     A message is overdue after ``resend_s`` without ANY acknowledgement: as long as the graph
     answers, it is busy, and sending again would only add to its work. The wait doubles with every
-    try; after ``tries`` the message is lost.
+    try; after ``tries`` the message is lost. The first message goes alone: routes to new readers
+    may still be settling, and if it were sent again after the second, the order would be another.
     """
 
     def __init__(self, size: int, resend_s: float, tries: int) -> None:
@@ -26,13 +27,14 @@ class Window(Generic[M]):
         self._resend_s = resend_s
         self._tries = tries
         self._in_flight: dict[int, _InFlight[M]] = {}
+        self._answered = False
 
     def __len__(self) -> int:
         return len(self._in_flight)
 
     def has_room(self) -> bool:
         """Tell whether one more may be sent."""
-        return len(self._in_flight) < self._size
+        return len(self._in_flight) < (self._size if self._answered else 1)
 
     def sent(self, seq: int, message: M, now_s: float) -> None:
         """Remember a message until it is acknowledged."""
@@ -42,6 +44,7 @@ class Window(Generic[M]):
         """Forget message ``seq`` and give the others more time; unknown ones are no matter."""
         if self._in_flight.pop(seq, None) is None:
             return
+        self._answered = True
         for waiting in self._in_flight.values():
             waiting.due_s = max(waiting.due_s, now_s + self._resend_s)
 
@@ -61,5 +64,6 @@ class Window(Generic[M]):
             if waiting.due_s <= now_s and waiting.sent >= self._tries
         ]
         for seq in given_up:
+            self._answered = True
             del self._in_flight[seq]
         return given_up

@@ -2,7 +2,7 @@
 
 Reads   sceneq/view/<scene>/delta/v1 (state, healed from its snapshot); pictures of keyframes from
         sceneq/view/<scene>/@image/v1.
-Writes  sceneq/feat/<scene>/<model>/delta/v1, one instance at a time: epoch = start time in ns.
+Writes  sceneq/feat/<scene>/<model>/delta/v1, one instance at a time: epoch = start time in ms.
 Serves  sceneq/feat/<scene>/<model>/@snapshot/v1: all descriptors as one message.
 Rate    as fast as the encoder, at lower priority than the mapping: first every instance by its
         best view, then by all. At most one view set waits for each instance, the latest; the
@@ -27,6 +27,7 @@ from sceneq_core.views.view import ViewSet
 from sceneq_nodes._backends import build
 from sceneq_nodes._bus import Bus, Context, Received
 from sceneq_nodes._convert import view_set_from_message
+from sceneq_nodes._epoch import new_epoch
 from sceneq_nodes._feature_journal import FeatureJournal
 from sceneq_nodes._follow import Follower
 from sceneq_nodes._keyframes import Keyframes, UnreachableError
@@ -44,24 +45,28 @@ PATIENCE_S = 1.0
 
 @dataclass(frozen=True, slots=True)
 class EncodingParams:
-    """``encoder``: kind and parameters of the backend; ``pictures`` to remember; ``nice``: how
-    much this process yields to the others (0 to 19), so that the mapping keeps up.
+    """``encoder``: kind and parameters of the backend; ``pictures`` to remember; ``turn_s``: how
+    long to describe instances before looking for messages again, seconds; ``nice``: how much this
+    process yields to the others (0 to 19), so that the mapping keeps up.
     """
 
     encoder: dict[str, Any] = field(default_factory=lambda: {"kind": "conse"})
     describe: DescribeParams = field(default_factory=DescribeParams)
     pictures: int = 32
-    nice: int = 5
+    turn_s: float = 0.1
+    nice: int = 2
 
     def __post_init__(self) -> None:
         if self.pictures < 1:
             raise ValueError(f"pictures: must be at least 1, got {self.pictures}")
+        if not 0 <= self.turn_s <= 10:
+            raise ValueError(f"turn_s: {self.turn_s} is not in [0, 10]")
         if not 0 <= self.nice <= 19:
             raise ValueError(f"nice: {self.nice} is not in [0, 19]")
 
 
 class Encoding:
-    """Follows the view sets of one scene and describes one instance whenever it is idle."""
+    """Follows the view sets of one scene and describes instances whenever it is idle."""
 
     Params: ClassVar[type] = EncodingParams
     idle_s: ClassVar[float] = 0.02
@@ -81,7 +86,7 @@ class Encoding:
         self._model = encoder.model_id
         self._describer = Describer(encoder, self._params.describe)
         self._keyframes = Keyframes(bus, scene, self._params.pictures)
-        self._journal = FeatureJournal(time.time_ns(), self._model)
+        self._journal = FeatureJournal(new_epoch(), self._model)
         bus.serve(FEATURE_SNAPSHOT, self._journal.answer, scene=scene, model=self._model)
         self._views = Follower(bus, VIEW_DELTA, VIEW_SNAPSHOT, self._follow, scene=scene)
         self._views.open()
@@ -92,7 +97,8 @@ class Encoding:
             self._views.offer(received.message)
             return
         self._views.tick()
-        if time.monotonic() >= self._resume_s:
+        deadline_s = time.monotonic() + self._params.turn_s
+        while self._pending and self._resume_s <= time.monotonic() <= deadline_s:
             self._describe_next()
 
     def close(self) -> None:

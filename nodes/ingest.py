@@ -40,7 +40,8 @@ class IngestParams:
 
     ``rate_hz`` None or 0 means lossless. ``wait_for`` names nodes that must live before the first
     frame, for at most ``wait_s``. ``window`` and ``resend_s`` are for lossless play: keyframes on
-    their way, and the silence of the graph after which one is sent again, ``tries`` times in all.
+    their way (more than segmentation's ``inbox`` holds would be dropped and come late), and the
+    silence of the graph after which one is sent again, ``tries`` times in all.
     """
 
     source: dict[str, Any]
@@ -49,7 +50,7 @@ class IngestParams:
     odometry: dict[str, Any] = field(default_factory=lambda: {"kind": "kiss_icp"})
     rgb_codec: str = "raw"
     depth_codec: str = "raw"
-    window: int = 4
+    window: int = 2
     resend_s: float = 2.0
     tries: int = 5
     wait_for: tuple[str, ...] = ("segmentation", "mapping", "views")

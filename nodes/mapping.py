@@ -1,7 +1,7 @@
 """Grows the map from keyframes and their 2D segments.
 
 Reads   sceneq/frame/<robot>/<sensor>/v1 and sceneq/mask/<scene>/v1 (latest wins), joined by seq.
-Writes  sceneq/map/<scene>/delta/v1 after every keyframe: epoch = start time in ns, seq from 1.
+Writes  sceneq/map/<scene>/delta/v1 after every keyframe: epoch = start time in ms, seq from 1.
 Serves  sceneq/map/<scene>/@snapshot/v1: the whole map as one message.
 Rate    that of the keyframes; they are integrated in the order in which they become complete.
 Bad     a frame without its segments (or the reverse) waits until ``max_waiting`` newer ones came,
@@ -11,7 +11,6 @@ Bad     a frame without its segments (or the reverse) waits until ``max_waiting`
 
 import logging
 import threading
-import time
 from collections import OrderedDict
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
@@ -19,6 +18,7 @@ from typing import Any, ClassVar
 from sceneq_core.mapping.mapper import Mapper, MapperParams
 from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
 from sceneq_nodes._convert import map_delta_message
+from sceneq_nodes._epoch import new_epoch
 from sceneq_nodes._images import frame_from_message
 from sceneq_nodes._wire import to_bytes
 from sceneq_schemas.errors import DecodeError
@@ -61,7 +61,7 @@ class Mapping:
         """Start an empty map, subscribe to both inputs and serve the snapshot."""
         self._bus = bus
         self._mapper = Mapper(self._params.mapper)
-        self._epoch, self._seq = time.time_ns(), 0
+        self._epoch, self._seq = new_epoch(), 0
         context, depth = self._context, self._params.max_waiting
         bus.subscribe(FRAME, depth=depth, robot=context.robot, sensor=context.sensor)
         bus.subscribe(MASK, depth=depth, scene=context.scene)

@@ -11,7 +11,6 @@ Bad     frames that the map never takes in are let go (``frames_unmatched``), fr
 """
 
 import logging
-import time
 from collections import deque
 from dataclasses import dataclass, field
 from typing import ClassVar
@@ -21,6 +20,7 @@ from sceneq_core.views.choice import ChoiceParams
 from sceneq_core.views.selector import ViewParams, ViewSelector
 from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
 from sceneq_nodes._convert import map_delta_from_message, view_set_message
+from sceneq_nodes._epoch import new_epoch
 from sceneq_nodes._follow import Follower
 from sceneq_nodes._images import frame_from_message
 from sceneq_nodes._view_image import answer_image
@@ -73,7 +73,7 @@ class Views:
     def open(self, bus: Bus) -> None:
         """Subscribe to frames and the map, serve the snapshot and the pictures."""
         context, self._bus = self._context, bus
-        self._journal = ViewJournal(epoch=time.time_ns())
+        self._journal = ViewJournal(epoch=new_epoch())
         bus.subscribe(FRAME, depth=self._params.waiting, robot=context.robot, sensor=context.sensor)
         bus.serve(VIEW_SNAPSHOT, self._journal.answer, scene=context.scene)
         bus.serve(VIEW_IMAGE, self._answer_image, scene=context.scene)
@@ -103,7 +103,8 @@ class Views:
             self._bus.count("map_delta_bad")
             log.warning("map %d:%d: %s", delta.epoch, delta.seq, error)
             return
-        older = [seq for seq in self._waiting if delta.full and seq < delta.frame_seq]
+        several = delta.full and delta.seq > 1
+        older = [seq for seq in self._waiting if several and seq < delta.frame_seq]
         self._mapped.extend((*older, delta.frame_seq))
 
     def _wait(self, frame: Frame) -> None:

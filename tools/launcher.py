@@ -159,7 +159,8 @@ class Launcher:
             self._note_ready(beat.node)
         if beat.doing != self._doing.get(beat.node, ""):
             self._doing[beat.node] = beat.doing
-            self._console.say(beat.node, beat.doing)
+            if beat.doing:
+                self._console.say(beat.node, beat.doing)
 
     def _note_ready(self, name: str) -> None:
         if name in self._ready or name == ROUTER:

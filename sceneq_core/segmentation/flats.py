@@ -5,6 +5,7 @@ import numpy as np
 
 from sceneq_core.arrays import Array, Bool, Float32, Int32
 from sceneq_core.segmentation.graph_segments import graph_segments
+from sceneq_core.segmentation.piece import window_of
 
 _WHOLE_FILL = 0.7
 _PART_SHARE = 0.2
@@ -26,12 +27,13 @@ def flats_of(
     area = np.bincount(regions.reshape(-1))
     mean = _means(colour, regions, area)
     _number(things, blank & (area[regions] >= min_pixels), regions, 0)
-    for plane in np.unique(planes[planes > 0]):
-        inside = domain == plane
-        own = _own_colour(regions[inside], mean)
-        strange = inside & (np.linalg.norm(mean - own, axis=1) > contrast)[regions]
-        pieces = _pieces(strange, colour, scale, min_pixels)
-        _number(things, inside & (pieces > 0), pieces, int(things.max()))
+    for plane in np.flatnonzero(np.bincount(planes.reshape(-1)))[1:]:
+        window = window_of(domain == plane)
+        inside, parts = domain[window] == plane, regions[window]
+        own = _own_colour(parts[inside], mean)
+        strange = inside & (np.linalg.norm(mean - own, axis=1) > contrast)[parts]
+        pieces = _pieces(strange, colour[window], scale, min_pixels)
+        _number(things[window], inside & (pieces > 0), pieces, int(things.max()))
     return things
 
 
@@ -43,8 +45,7 @@ def _means(colour: Float32, regions: Int32, area: Array) -> Array:
 
 def _own_colour(regions: Array, mean: Array) -> Array:
     """Return the colour of the largest region."""
-    ids, counts = np.unique(regions, return_counts=True)
-    own: Array = mean[ids[np.argmax(counts)]]
+    own: Array = mean[np.bincount(regions).argmax()]
     return own
 
 
@@ -67,7 +68,7 @@ def _pieces(where: Bool, colour: Float32, scale: float, min_pixels: int) -> Int3
         parts = patch.astype(np.int32)
         if area < _WHOLE_FILL * _box_area(outline):
             smallest = max(min_pixels, round(_PART_SHARE * area))
-            parts = graph_segments(colour[window], parts - 1, scale, smallest) + 1
+            parts = graph_segments(colour[window], parts - 1, scale, smallest)
         _number(pieces[window], (patch > 0) & (pieces[window] == 0), parts, int(pieces.max()))
     return pieces
 
@@ -80,5 +81,6 @@ def _box_area(outline: Array) -> float:
 
 def _number(things: Int32, where: Bool, ids: Int32, last: int) -> None:
     """Give every distinct id under ``where`` a number after ``last`` in ``things``."""
-    _, number = np.unique(ids[where], return_inverse=True)
-    things[where] = number + 1 + last
+    chosen = ids[where]
+    number = np.cumsum(np.bincount(chosen) > 0)
+    things[where] = number[chosen] + last

@@ -23,8 +23,9 @@ class Plane:
     def residual(self, closeness: Float32) -> Float32:
         """Return closeness minus the plane's, (h, w): positive is in front, towards the camera."""
         a, b, c = self.coefficients
-        v, u = np.arange(closeness.shape[0])[:, None], np.arange(closeness.shape[1])[None]
-        return np.asarray(closeness - (a * u + b * v + c), np.float32)
+        along_v = (b * np.arange(closeness.shape[0]) + c).astype(np.float32)
+        along_u = (a * np.arange(closeness.shape[1])).astype(np.float32)
+        return np.asarray(closeness - along_v[:, None] - along_u, np.float32)
 
     def normal_camera(self, K: Float64) -> Float64:
         """Return n (3,) with n . p = 1 for points p of the plane, metres, camera frame."""
@@ -33,9 +34,10 @@ class Plane:
 
     def height_m(self, closeness: Float32, K: Float64) -> Float32:
         """Return the distance from the plane, (h, w), positive in front; 0 without measurement."""
-        depth = np.where(closeness > 0, 1 / np.maximum(closeness, 1e-6), 0)
         length = max(float(np.linalg.norm(self.normal_camera(K))), 1e-9)
-        return np.asarray(self.residual(closeness) * depth / length, np.float32)
+        height = np.zeros_like(closeness)
+        np.divide(self.residual(closeness), closeness * length, out=height, where=closeness > 0)
+        return height
 
 
 def fitted_plane(surface: Surface, where: Bool, noise: float) -> tuple[Plane, Bool] | None:
@@ -45,21 +47,22 @@ def fitted_plane(surface: Surface, where: Bool, noise: float) -> tuple[Plane, Bo
     until the pixels within three times the ``noise`` (1/m) are left: deterministic, no sampling.
     """
     v, u = np.nonzero(where)
-    every = max(1, len(u) // _MAX_POINTS)
+    pixels = len(u)
+    every = max(1, pixels // _MAX_POINTS)
     u, v = u[::every], v[::every]
     values = surface.closeness[v, u].astype(np.float64)
     design = np.stack([u, v, np.ones_like(u)], axis=1).astype(np.float64)
     keep = _seed(surface.facing, where)[v, u]
     for _ in range(_REFITS):
-        if keep.sum() < _MIN_POINTS:
+        if np.count_nonzero(keep) < _MIN_POINTS:
             return None
         plane = Plane(_solve(design[keep], values[keep]))
         residual = np.abs(values - design @ plane.coefficients)
-        before, keep = keep, residual < max(3 * noise, float(np.median(residual[keep])))
+        before, keep = keep, residual < max(3 * noise, _middle(residual[keep]))
         if np.array_equal(before, keep):
             break
     inliers = where & (np.abs(plane.residual(surface.closeness)) < 3 * noise)
-    return (plane, inliers) if inliers.sum() >= _MIN_SHARE * where.sum() else None
+    return (plane, inliers) if np.count_nonzero(inliers) >= _MIN_SHARE * pixels else None
 
 
 def _seed(facing: UInt8, where: Bool) -> Bool:
@@ -74,3 +77,9 @@ def _solve(design: Array, values: Array) -> Float64:
     """Return the least-squares solution; the ridge keeps collinear pixels solvable."""
     normal = design.T @ design + 1e-9 * np.eye(3)
     return np.asarray(np.linalg.solve(normal, design.T @ values))
+
+
+def _middle(values: Array) -> float:
+    """Return the middle one of ``values``, the upper of two."""
+    half = len(values) // 2
+    return float(np.partition(values, half)[half])

@@ -112,6 +112,7 @@ def _completed(labels: Int32) -> Int32:
 
 def _numbered(labels: Int32) -> UInt16:
     """Return ``labels`` renumbered 1, 2, ... in the order of their old numbers; 0 stays."""
-    present = np.unique(labels)
-    number = np.searchsorted(present[present > 0], labels) + 1
-    return np.where(labels > 0, number, 0).astype(np.uint16)
+    present = np.bincount(labels.reshape(-1)) > 0
+    present[0] = False
+    numbers: UInt16 = (np.cumsum(present) * present).astype(np.uint16)[labels]
+    return numbers

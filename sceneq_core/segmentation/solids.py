@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from sceneq_core.arrays import Bool, Float32, Int32
+from sceneq_core.segmentation.piece import Piece, pieces_of
 from sceneq_core.segmentation.plane import fitted_plane
 from sceneq_core.segmentation.surface import Surface
 
@@ -41,54 +42,57 @@ def solids_of(surface: Surface, limits: Limits) -> Solids:
     free = (surface.closeness > 0) & ~surface.steps & ~surface.creases
     labels = np.zeros(free.shape, np.int32)
     planes = np.zeros(free.shape, np.int32)
-    queue = _pieces(free, limits.pixels)
+    queue = pieces_of(free, limits.pixels)
     label = 0
     while queue:
         piece = queue.pop(0)
         label += 1
-        if piece.sum() >= limits.plane_pixels:
-            flat, standing = _parted(surface, piece, limits)
-            queue.extend(standing)
-            for thing in standing:
-                piece = piece & ~thing
-            planes[flat] = label
-        labels[piece] = label
+        labels[piece.window][piece.mask] = label
+        if piece.pixels >= limits.plane_pixels:
+            flat, standing = _parted(surface.inside(piece.window), piece.mask, limits)
+            planes[piece.window][flat] = label
+            queue.extend(thing.moved(piece.window) for thing in standing)  # and get other labels
     grown = _grown(labels, surface.closeness, 6 * limits.noise)
     return Solids(grown, np.where(planes == grown, planes, 0).astype(np.int32))
 
 
-def _parted(surface: Surface, piece: Bool, limits: Limits) -> tuple[Bool, list[Bool]]:
-    """Return the flat part of ``piece`` and the things that stand in front of its plane.
+def _parted(surface: Surface, where: Bool, limits: Limits) -> tuple[Bool, list[Piece]]:
+    """Return the flat part of the piece ``where`` and the things in front of its plane.
 
     What is thin, such as a magazine, stays in the flat part, where colour draws a better outline
     than depth; the flat part is closed over small holes for the same reason.
     """
-    fit = fitted_plane(surface, piece, limits.noise)
+    fit = fitted_plane(surface, where, limits.noise)
     if fit is None:
-        return np.zeros(piece.shape, bool), []
+        return np.zeros(where.shape, bool), []
     plane, inliers = fit
     residual = plane.residual(surface.closeness)
-    front = piece & (residual > _CLEAR_NOISES * limits.noise)
-    back = piece & (residual < -_CLEAR_NOISES * limits.noise)
+    front = where & (residual > _CLEAR_NOISES * limits.noise)
+    back = where & (residual < -_CLEAR_NOISES * limits.noise)
     height_m = plane.height_m(surface.closeness, surface.K)
-    raised = _pieces(_morphed(front, cv2.MORPH_OPEN, 3), limits.pixels)
-    standing = [t for t in raised if np.quantile(height_m[t], _TOP) > limits.height_m]
+    raised = pieces_of(_morphed(front, cv2.MORPH_OPEN, 3), limits.pixels)
+    standing = [t for t in raised if _top_m(height_m, t) > limits.height_m]
     standing += _carriers(surface, back & (height_m < -limits.height_m), inliers, limits)
     flat = _morphed(inliers | front, cv2.MORPH_CLOSE, 7)
     for thing in standing:
-        flat &= ~thing
+        flat[thing.window] &= ~thing.mask
     return flat, standing
 
 
-def _carriers(surface: Surface, behind: Bool, face: Bool, limits: Limits) -> list[Bool]:
+def _top_m(height_m: Float32, thing: Piece) -> float:
+    """Return the height of ``thing``, less what its edge may exaggerate."""
+    return float(np.quantile(height_m[thing.window][thing.mask], _TOP))
+
+
+def _carriers(surface: Surface, behind: Bool, face: Bool, limits: Limits) -> list[Piece]:
     """Return the pieces of ``behind`` from whose own plane the ``face`` stands out.
 
     Two faces of one thing lie behind each other's planes (table top and side); a chair back in
     front of the floor does not, although the floor is behind the chair's plane.
     """
     carriers = []
-    for other in _pieces(_morphed(behind, cv2.MORPH_OPEN, 3), limits.plane_pixels):
-        fit = fitted_plane(surface, other, limits.noise)
+    for other in pieces_of(_morphed(behind, cv2.MORPH_OPEN, 3), limits.plane_pixels):
+        fit = fitted_plane(surface, other.drawn(behind.shape), limits.noise)
         if fit is None:
             continue
         height_m = fit[0].height_m(surface.closeness, surface.K)
@@ -97,36 +101,25 @@ def _carriers(surface: Surface, behind: Bool, face: Bool, limits: Limits) -> lis
     return carriers
 
 
-def _pieces(where: Bool, min_pixels: int) -> list[Bool]:
-    """Return the connected pieces of ``where``, the largest first (then the topmost)."""
-    _, labels, stats, _ = cv2.connectedComponentsWithStats(where.astype(np.uint8), connectivity=4)
-    areas = stats[1:, cv2.CC_STAT_AREA]
-    order = np.argsort(-areas, kind="stable")
-    return [labels == i + 1 for i in order if areas[i] >= min_pixels]
-
-
 def _morphed(where: Bool, operation: int, side_px: int) -> Bool:
     kernel = np.ones((side_px, side_px), np.uint8)
     return np.asarray(cv2.morphologyEx(where.astype(np.uint8), operation, kernel) > 0)
 
 
 def _grown(labels: Int32, closeness: Float32, max_step: float) -> Int32:
-    """Return labels spread over the unlabelled border where the surface goes on."""
-    grown = labels.copy()
+    """Return labels spread over the unlabelled border where the surface goes on.
+
+    Works on the pixels still open, by their place in an image with an empty frame round it.
+    """
+    grown = np.pad(labels, 1).reshape(-1)
+    surface = np.pad(closeness, 1).reshape(-1)
+    width = labels.shape[1] + 2
+    bare = np.flatnonzero((grown == 0) & (surface > 0))
     for _ in range(_GROWTH_PX):
         source = grown.copy()
-        for axis, shift in ((0, 1), (0, -1), (1, 1), (1, -1)):
-            near, near_closeness = (_shifted(a, axis, shift) for a in (source, closeness))
-            close = np.abs(near_closeness - closeness) < max_step
-            take = (grown == 0) & (near > 0) & close & (closeness > 0)
-            grown[take] = near[take]
-    return grown
-
-
-def _shifted(values: Int32 | Float32, axis: int, shift: int) -> Int32 | Float32:
-    """Return ``values`` moved by one pixel, the border repeated."""
-    rolled = np.roll(values, shift, axis)
-    edge = 0 if shift > 0 else -1
-    index = (edge, slice(None)) if axis == 0 else (slice(None), edge)
-    rolled[index] = values[index]
-    return rolled
+        for shift in (-width, width, -1, 1):
+            close = np.abs(surface[bare + shift] - surface[bare]) < max_step
+            take = bare[close & (grown[bare] == 0)]
+            grown[take] = source[take + shift]
+        bare = bare[grown[bare] == 0]
+    return grown.reshape(-1, width)[1:-1, 1:-1]

@@ -1,7 +1,6 @@
 """Where a depth image is smooth, where it jumps and where it folds inwards."""
 
 from dataclasses import dataclass
-from itertools import product
 
 import cv2
 import numpy as np
@@ -14,8 +13,7 @@ _FOLD_BASE_PX = 3
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 _NEAR = np.ones((7, 7), np.uint8)
 _FAR_AWAY = np.float32(1e6)
-_STEPS = [np.array(step, np.float32) for step in product((-1, 0, 1), repeat=3) if any(step)]
-_DIRECTIONS = np.stack([step / np.float32(np.linalg.norm(step)) for step in _STEPS])
+_OBLIQUE = np.float32(np.sin(np.pi / 8))
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,8 +23,8 @@ class Surface:
     Attributes:
         closeness: float32 (h, w), 1/m, denoised, 0 = no measurement.
         K: float64 (3, 3), pixels.
-        normals_camera: float32 (h, w, 3), unit, towards the camera.
-        facing: uint8 (h, w), which of 26 directions over the sphere is nearest to the normal.
+        normals_camera: float32 (3, h, w), unit, towards the camera.
+        facing: uint8 (h, w), which of 26 directions over the sphere the normal is near to.
         steps: bool (h, w), beside a depth discontinuity.
         creases: bool (h, w), on a concave fold, such as where an object stands on a table.
     """
@@ -37,6 +35,19 @@ class Surface:
     facing: UInt8
     steps: Bool
     creases: Bool
+
+    def inside(self, window: tuple[slice, slice]) -> "Surface":
+        """Return the part of the surface in ``window``, with the pixels counted from its corner."""
+        rows, columns = window
+        K = self.K - np.array([[0, 0, columns.start], [0, 0, rows.start], [0, 0, 0]])
+        return Surface(
+            self.closeness[window],
+            K,
+            self.normals_camera[:, *window],
+            self.facing[window],
+            self.steps[window],
+            self.creases[window],
+        )
 
 
 def surface_of(image: WorkingImage, noise: float, min_fold_deg: float) -> Surface:
@@ -49,9 +60,8 @@ def surface_of(image: WorkingImage, noise: float, min_fold_deg: float) -> Surfac
     smooth = image.measured & ~steps
     slopes = [_smoothed(slope, smooth) for slope in slopes]
     normals = _normals(closeness, slopes, image)
-    facing = np.argmax(normals @ _DIRECTIONS.T, axis=2).astype(np.uint8)
     creases = _creases(closeness, normals, smooth, image, min_fold_deg)
-    return Surface(closeness, image.K, normals, facing, steps, creases)
+    return Surface(closeness, image.K, normals, _facing(normals), steps, creases)
 
 
 def rays(image: WorkingImage) -> tuple[Float32, Float32]:
@@ -98,9 +108,24 @@ def _normals(closeness: Float32, slopes: list[Float32], image: WorkingImage) -> 
     x, y = rays(image)
     n_x = slopes[0] * np.float32(image.K[0, 0])
     n_y = slopes[1] * np.float32(image.K[1, 1])
-    away = np.stack([n_x, n_y, closeness - n_x * x - n_y * y], axis=2)
-    length = np.sqrt(np.einsum("hwc,hwc->hw", away, away))
-    return np.asarray(-away / np.maximum(length, 1e-9)[..., None])
+    away = np.stack([n_x, n_y, closeness - n_x * x - n_y * y])
+    return np.asarray(-away / np.maximum(np.sqrt(_dot(away, away)), 1e-9))
+
+
+def _facing(normals: Float32) -> UInt8:
+    """Return a number for the side, middle or other side each component of the normal is on."""
+    facing = np.zeros(normals.shape[1:], np.uint8)
+    for component in normals:
+        facing *= 3
+        facing += component > -_OBLIQUE
+        facing += component > _OBLIQUE
+    return facing
+
+
+def _dot(a: Array, b: Array) -> Array:
+    """Return the scalar products (h, w) of vectors (3, h, w)."""
+    products: Array = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return products
 
 
 def _creases(
@@ -109,7 +134,7 @@ def _creases(
     """Return where the normals on both sides lean towards each other by ``min_fold_deg``."""
     depth = np.where(closeness > 0, 1 / np.maximum(closeness, 1e-6), 0)
     x, y = rays(image)
-    points = np.stack([x * depth, y * depth, depth], axis=2)
+    points = np.stack([x * depth, y * depth, depth])
     creases = np.zeros(closeness.shape, bool)
     for axis in (0, 1):
         if closeness.shape[axis] > 2 * _FOLD_BASE_PX:
@@ -123,10 +148,10 @@ def _folds(points: Array, normals: Array, smooth: Bool, axis: int, min_fold: flo
         (slice(None),) * axis + (part,)
         for part in (slice(None, -2 * base), slice(2 * base, None), slice(base, -base))
     )
-    turn = normals[after] - normals[before]
-    across = points[after] - points[before]
-    leaning = np.einsum("hwc,hwc->hw", turn, across) < 0
-    wide = np.einsum("hwc,hwc->hw", turn, turn) > (2 * np.sin(min_fold / 2)) ** 2
+    turn = normals[:, *after] - normals[:, *before]
+    across = points[:, *after] - points[:, *before]
+    leaning = _dot(turn, across) < 0
+    wide = _dot(turn, turn) > (2 * np.sin(min_fold / 2)) ** 2
     folds = np.zeros(smooth.shape, bool)
     folds[middle] = leaning & wide & smooth[before] & smooth[after]
     return folds

@@ -59,16 +59,23 @@ def _closeness(depth_m: Float32, step: int) -> Float32:
     """Return the inverse of the middle measurement in each ``step`` x ``step`` block."""
     height, width = depth_m.shape
     padded = np.pad(depth_m, ((0, -height % step), (0, -width % step)))
-    rows, columns = padded.shape[0] // step, padded.shape[1] // step
-    blocks = (
-        padded.reshape(rows, step, columns, step).transpose(0, 2, 1, 3).reshape(rows, columns, -1)
-    )
-    ordered = np.sort(blocks, axis=2)
-    missing = (ordered <= 0).sum(axis=2)
-    middle = (missing + step * step) // 2
-    depth = np.take_along_axis(ordered, np.minimum(middle, step * step - 1)[..., None], axis=2)[
-        ..., 0
-    ]
+    ordered = _ordered([padded[v::step, u::step] for v in range(step) for u in range(step)])
+    missing = np.count_nonzero(ordered <= 0, axis=0)
+    middle = np.minimum((missing + step * step) // 2, step * step - 1)
+    depth = np.take_along_axis(ordered, middle[None], axis=0)[0]
     closeness = np.zeros_like(depth)
     np.divide(1, depth, out=closeness, where=depth > 0)
     return closeness
+
+
+def _ordered(images: list[Float32]) -> Float32:
+    """Return ``images`` (n, h, w) sorted at every pixel, by exchanging neighbours.
+
+    For the few images there are, whole-image exchanges are far faster than a sort per pixel.
+    """
+    ordered = np.stack(images)
+    for last in range(len(ordered) - 1, 0, -1):
+        for i in range(last):
+            low, high = ordered[i], ordered[i + 1]
+            ordered[i], ordered[i + 1] = np.minimum(low, high), np.maximum(low, high)
+    return ordered

@@ -183,7 +183,9 @@ def test_a_view_set_that_does_not_decode_is_skipped(bus, node):
     assert described(bus) == [2]
 
 
-@pytest.mark.parametrize(("name", "value"), [("pictures", 0), ("nice", -1), ("nice", 20)])
+@pytest.mark.parametrize(
+    ("name", "value"), [("pictures", 0), ("nice", -1), ("nice", 20), ("turn_s", -1)]
+)
 def test_bad_parameters_are_named(name, value):
     with pytest.raises(ValueError, match=f"^{name}:"):
         EncodingParams(**{name: value})

@@ -1,6 +1,7 @@
 """Backends by kind: ours, those of third parties, and what is said when there is none."""
 
 import importlib
+import importlib.metadata
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from sceneq_nodes import NODES, _backends
+from sceneq_nodes import NODES
 from sceneq_nodes._backends import BACKENDS, build, check, kinds, load
 from sceneq_nodes._params import ParamError
 
@@ -49,7 +50,7 @@ def plugins(monkeypatch: pytest.MonkeyPatch) -> None:
         ]
 
     real = importlib.import_module
-    monkeypatch.setattr(_backends, "entry_points", fake_entry_points)
+    monkeypatch.setattr(importlib.metadata, "entry_points", fake_entry_points)
     monkeypatch.setattr(
         importlib, "import_module", lambda name: module if name == "a_plugin" else real(name)
     )

@@ -18,6 +18,17 @@ def test_it_has_room_for_size() -> None:
     assert len(window) == 1
 
 
+def test_the_first_message_goes_alone() -> None:
+    window: Window[str] = Window(size=3, resend_s=2.0, tries=2)
+    window.sent(0, "a", 0.0)
+    assert not window.has_room()
+    assert window.overdue(2.0) == ["a"]
+    window.acknowledge(0, 2.1)
+    window.sent(10, "b", 2.2)
+    window.sent(20, "c", 2.2)
+    assert window.has_room()
+
+
 def test_unknown_and_repeated_acknowledgements_are_no_matter() -> None:
     window = filled()
     window.acknowledge(99, 1.9)
