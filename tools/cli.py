@@ -16,6 +16,8 @@ app = typer.Typer(
     help="Ask a robot's live 3D map of object instances questions, with evidence.",
     add_completion=False,
     pretty_exceptions_enable=False,
+    context_settings={"max_content_width": 100},
+    rich_markup_mode=None,  # loading rich would take half of the time of --help
 )
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from sceneq_nodes._client import Client
     from sceneq_tools.scenes import Asked
 
-QUESTIONS = ("chair", "red mug", "the monitor on the table", "bicycle")
+QUESTIONS = ("chair", "white mug", "the monitor on the table", "bicycle")
 RATE_HZ = 30.0
 READY_S = 60.0
 SETTLE_S = 300.0

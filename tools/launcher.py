@@ -22,6 +22,7 @@ from sceneq_tools.watchdog import Watchdog
 
 TICK_S = 0.2
 BAD_PARAMETERS = 2
+KILLED = "SIGKILL"
 
 
 class Launcher:
@@ -48,6 +49,7 @@ class Launcher:
         self._doing: dict[str, str] = {}
         self._exits: dict[str, int] = {}
         self._refused: set[str] = set()
+        self._mortal = {node.id for node in plan.nodes if node.restart_policy == "never"}
         self._started_s = time.monotonic()
 
     def run(self, stop: threading.Event) -> int:
@@ -92,7 +94,8 @@ class Launcher:
                 return 1
             processes = supervisor.processes()
             self._troubles.forward()
-            self._tell_exits(supervisor, {process.name: process for process in processes})
+            if self._tell_exits(supervisor, {process.name: process for process in processes}):
+                processes = supervisor.processes()
             for process in processes:
                 self._follow(process)
             if (code := self._over(processes)) is not None:
@@ -110,16 +113,30 @@ class Launcher:
         if (news := change(before, process)) is not None:
             self._console.say(process.name, *news)
 
-    def _tell_exits(self, supervisor: Supervisor, processes: Mapping[str, Process]) -> None:
+    def _tell_exits(self, supervisor: Supervisor, processes: Mapping[str, Process]) -> bool:
+        """Tell what has ended; return whether something of it was started again here."""
+        revived = False
         for line in self._reports.new_lines():
             if (end := exit_in(line)) is None:
                 continue
             self._exits[end.name] = end.code
             words = self._last_words(end)
             self._console.say(end.name, f"{end}{words}", "bad" if end.code else "")
-            if end.code == BAD_PARAMETERS and end.name in processes:
-                supervisor.hold(processes[end.name])
+            if (process := processes.get(end.name)) is None:
+                continue
+            if end.code == BAD_PARAMETERS:
+                supervisor.hold(process)
                 self._refused.add(end.name)
+            elif end.signal == KILLED and self._was_fine(end.name):
+                supervisor.revive(process)
+                revived = True
+        return revived
+
+    def _was_fine(self, name: str) -> bool:
+        """A node that was ready did not fail to start; the router is when a node is."""
+        if name == ROUTER:
+            return bool(self._ready)
+        return name in self._ready and name not in self._mortal
 
     def _last_words(self, end: Exit) -> str:
         if end.code <= 0:

@@ -19,7 +19,7 @@ from sceneq_tools.errors import UserError
 RPC_TIMEOUT_S = 2.0
 START_TIMEOUT_S = 10.0
 STOP_TIMEOUT_S = 4.5
-FATAL, EXITED, STOPPED = "FATAL", "EXITED", "STOPPED"
+FATAL, EXITED, STOPPED, BACKOFF = "FATAL", "EXITED", "STOPPED", "BACKOFF"
 ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
@@ -96,6 +96,16 @@ class Supervisor:
     def hold(self, process: Process) -> None:
         """Stop a process for good."""
         self._call("stopProcess", f"{process.group}:{process.name}", False)
+
+    def revive(self, process: Process) -> None:
+        """Start at once what supervisord lets wait, or has given up, after it ended too soon."""
+        name = f"{process.group}:{process.name}"
+        with contextlib.suppress(OSError, http.client.HTTPException, xmlrpc.client.Error):
+            state = self._rpc.supervisor.getProcessInfo(name)["statename"]
+            if state == BACKOFF:
+                self._rpc.supervisor.stopProcess(name, False)
+            if state in (BACKOFF, FATAL):
+                self._rpc.supervisor.startProcess(name, False)
 
     def stop(self) -> None:
         """Stop everything, within ``STOP_TIMEOUT_S`` by asking, then with -9."""

@@ -8,15 +8,17 @@ region to its nearest neighbour at once) instead of one edge at a time, so that 
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import Array, Bool, Float32, Int32
+from sceneq_core.arrays import Array, Bool, Float32, Float64, Int32, UInt16
 
 LEVELS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 """Colour differences (CIELAB) up to which edges are looked at, in turn: light edges have to merge
 before heavy ones, or a region's internal difference no longer means what it does in the paper. Up
 to the first, which is sensor noise and below what an eye tells apart, everything merges."""
 
-_STEPS = 256
-"""Whole 256ths are finer than the camera's noise, and 16-bit integers sort in linear time."""
+_NEIGHBOURS = ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:]))
+_PER_UNIT = 256
+"""Differences are whole 256ths: finer than the camera's noise, and 16 bits sort in linear time."""
+_NO_EDGE = 65535
 
 
 def graph_segments(colour: Float32, domain: Int32, scale: float, min_pixels: int) -> Int32:
@@ -29,43 +31,37 @@ def graph_segments(colour: Float32, domain: Int32, scale: float, min_pixels: int
     """
     patches, regions = _patches(colour, domain)
     for level in LEVELS[1:]:
-        regions.forget_parallel_edges()
         while regions.merge_round(scale, heaviest=level):
             pass
     while regions.merge_round(scale, min_pixels=min_pixels):
         pass
-    return regions.numbers()[patches]
+    segments: Int32 = regions.numbers()[patches]
+    return segments
 
 
 class _Regions:
     """A partition of patches under merging, with the edges that still join two regions.
 
-    Edges are kept sorted by weight, so the first that names a region is its nearest.
+    Edges are kept sorted by weight, so the first that names a region is its nearest. Of the edges
+    between two regions only the lightest ever matters; to look for the others costs more than to
+    carry them along.
     """
 
-    def __init__(self, size: Array, internal: Float32, ends: Array, weights: Float32) -> None:
+    def __init__(
+        self, size: Float64, internal: Float32, low: Int32, high: Int32, weights: Float32
+    ) -> None:
         self._size = size
         self._internal = internal
-        self._low, self._high = ends
+        self._low, self._high = low, high
         self._weights = weights
         self._renumberings: list[Array] = [np.arange(len(size), dtype=np.int32)]
 
     def numbers(self) -> Int32:
         """Return the region of every patch."""
-        numbers = self._renumberings[-1]
+        numbers: Int32 = self._renumberings[-1]
         for earlier in self._renumberings[-2::-1]:
             numbers = numbers[earlier]
         return numbers
-
-    def forget_parallel_edges(self) -> None:
-        """Keep only the lightest edge between two regions; the others decide nothing."""
-        low = np.minimum(self._low, self._high).astype(np.int64)
-        high = np.maximum(self._low, self._high)
-        count = len(low)
-        # One sort of (region pair, rank of the edge) is several times faster than np.unique.
-        ranked = np.sort((low * len(self._size) + high) * count + np.arange(count))
-        pair, rank = np.divmod(ranked, max(count, 1))
-        self._keep(np.sort(rank[np.flatnonzero(np.diff(pair, prepend=-1))]))
 
     def merge_round(self, scale: float, heaviest: float = np.inf, min_pixels: int = 0) -> bool:
         """Join every region to its nearest neighbour where the predicate holds; False = done."""
@@ -87,7 +83,7 @@ class _Regions:
         backwards = np.arange(count - 1, -1, -1, dtype=np.int32)
         nearest = np.full((2, len(self._size)), count, np.int32)
         for first, ends in zip(nearest, (self._low, self._high), strict=True):
-            first[ends[backwards]] = backwards  # the last assignment stays
+            first[ends[:count][::-1]] = backwards  # the last assignment stays
         edge = np.minimum(*nearest)
         region = np.flatnonzero(edge < count).astype(np.int32)
         return region, edge[region]
@@ -132,33 +128,34 @@ def _patches(colour: Float32, domain: Int32) -> tuple[Int32, _Regions]:
 
     Region 0 has no edges: it is the outside.
     """
-    inside = domain >= 0
-    pairs = ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:]))
-    linked = [inside[near] & (domain[near] == domain[far]) for near, far in pairs]
-    channels = cv2.split(colour)
-    steps = [_differences([c[near] - c[far] for c in channels]) for near, far in pairs]
-    alike = [
-        link & (step <= LEVELS[0] * _STEPS) for link, step in zip(linked, steps, strict=True)
-    ]
-    patches = _connected(inside, *alike)
-    size = np.bincount(patches.reshape(-1)).astype(np.float64)
+    differences = _differences(colour, domain)
+    patches = _connected(domain >= 0, *(d <= LEVELS[0] * _PER_UNIT for d in differences))
+    low, high = (
+        np.concatenate([patches[ends[i]].reshape(-1) for ends in _NEIGHBOURS]) for i in (0, 1)
+    )
+    steps = np.concatenate([d.reshape(-1) for d in differences])
+    weights = steps.astype(np.float32) / np.float32(_PER_UNIT)
+    size = np.maximum(np.bincount(patches.reshape(-1)), 1).astype(np.float64)
     internal = np.zeros(len(size), np.float32)
-    ends, weights = [], []
-    for (near, far), link, step, same in zip(pairs, linked, steps, alike, strict=True):
-        np.maximum.at(internal, patches[near][same], step[same].astype(np.float32) / _STEPS)
-        crossing = link & (patches[near] != patches[far])
-        ends.append(np.stack([patches[near][crossing], patches[far][crossing]]))
-        weights.append(step[crossing])
-    step = np.concatenate(weights)
-    order = np.argsort(step, kind="stable")
-    edges = np.concatenate(ends, axis=1)[:, order]
-    return patches, _Regions(size, internal, edges, step[order].astype(np.float32) / _STEPS)
+    alike = np.flatnonzero(weights <= LEVELS[0])
+    np.maximum.at(internal, low[alike], weights[alike])
+    crossing = np.flatnonzero((low != high) & (steps < _NO_EDGE))
+    edges = crossing[np.argsort(steps[crossing], kind="stable")]
+    return patches, _Regions(size, internal, low[edges], high[edges], weights[edges])
 
 
-def _differences(channels: list[Float32]) -> Array:
-    """Return the length of differences (h, w) in each channel as uint16, in 256ths."""
-    distance = np.sqrt(sum(channel * channel for channel in channels))
-    return np.minimum(distance * _STEPS, 65535).astype(np.uint16)
+def _differences(colour: Float32, domain: Int32) -> list[UInt16]:
+    """Return the colour difference to the right (h, w - 1) and downwards (h - 1, w)."""
+    differences = []
+    channels = cv2.split(colour)
+    for near, far in _NEIGHBOURS:
+        square = np.zeros(domain[near].shape, np.float32)
+        for channel in channels:
+            square += (channel[near] - channel[far]) ** 2
+        steps = np.minimum(np.sqrt(square) * _PER_UNIT, _NO_EDGE - 1).astype(np.uint16)
+        steps[(domain[near] != domain[far]) | (domain[near] < 0)] = _NO_EDGE
+        differences.append(steps)
+    return differences
 
 
 def _connected(inside: Bool, across: Bool, down: Bool) -> Int32:

@@ -1,4 +1,4 @@
-"""A connected part of an image, kept in the window round it: most are far smaller than the image."""
+"""A connected part of an image, kept in the window round it: most are far smaller than it."""
 
 from dataclasses import dataclass
 

@@ -51,13 +51,13 @@ def fitted_plane(surface: Surface, where: Bool, noise: float) -> tuple[Plane, Bo
     every = max(1, pixels // _MAX_POINTS)
     u, v = u[::every], v[::every]
     values = surface.closeness[v, u].astype(np.float64)
-    design = np.stack([u, v, np.ones_like(u)], axis=1).astype(np.float64)
+    design = np.stack([u, v, np.ones_like(u)]).astype(np.float64)
     keep = _seed(surface.facing, where)[v, u]
     for _ in range(_REFITS):
         if np.count_nonzero(keep) < _MIN_POINTS:
             return None
-        plane = Plane(_solve(design[keep], values[keep]))
-        residual = np.abs(values - design @ plane.coefficients)
+        plane = Plane(_solve(design, values, keep))
+        residual = np.abs(values - plane.coefficients @ design)
         before, keep = keep, residual < max(3 * noise, _middle(residual[keep]))
         if np.array_equal(before, keep):
             break
@@ -73,10 +73,10 @@ def _seed(facing: UInt8, where: Bool) -> Bool:
     return np.asarray(labels == 1 + stats[1:, cv2.CC_STAT_AREA].argmax())
 
 
-def _solve(design: Array, values: Array) -> Float64:
+def _solve(design: Float64, values: Float64, keep: Bool) -> Float64:
     """Return the least-squares solution; the ridge keeps collinear pixels solvable."""
-    normal = design.T @ design + 1e-9 * np.eye(3)
-    return np.asarray(np.linalg.solve(normal, design.T @ values))
+    kept = design * keep
+    return np.asarray(np.linalg.solve(kept @ design.T + 1e-9 * np.eye(3), kept @ values))
 
 
 def _middle(values: Array) -> float:

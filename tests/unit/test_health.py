@@ -69,6 +69,44 @@ def test_metrics_are_the_numbers(health: Health) -> None:
     }
 
 
+def test_a_change_is_told_at_once_and_nothing_after_the_rest(
+    health: Health, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_health, "PERIOD_S", 3600.0)
+    told: list[str] = []
+    beat, stop = threading.Semaphore(0), threading.Event()
+
+    def publish() -> None:
+        told.append(health.state)
+        beat.release()
+
+    rest = health.beat(publish, stop)
+    assert beat.acquire(timeout=30)
+    health.state = "ready"
+    health.hurry()
+    assert beat.acquire(timeout=30)
+    rest()
+    assert stop.is_set()
+    health.hurry()
+    assert told == ["starting", "ready"]
+
+
+def test_a_failing_network_is_nothing_to_tell_while_leaving(
+    health: Health, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    closing, stop = threading.Event(), threading.Event()
+
+    def publish() -> None:
+        closing.set()
+        assert stop.wait(30)
+        raise RuntimeError("session closed")
+
+    rest = health.beat(publish, stop)
+    assert closing.wait(30)
+    rest()
+    assert caplog.text == ""
+
+
 def test_the_heart_beats_on_after_a_failure_and_stops_when_told(
     health: Health, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:

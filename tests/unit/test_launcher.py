@@ -3,7 +3,8 @@
 import io
 import json
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -46,6 +47,7 @@ class Script:
         self.stop = threading.Event()
         self.killed: list[str] = []
         self.held: list[str] = []
+        self.revived: list[str] = []
         self.stopped = False
 
     def start(self) -> None:
@@ -69,6 +71,9 @@ class Script:
     def hold(self, process: Process) -> None:
         self.held.append(process.name)
 
+    def revive(self, process: Process) -> None:
+        self.revived.append(process.name)
+
     def close(self) -> None:
         assert not self.stopped
 
@@ -84,7 +89,7 @@ def play(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Play:
     def run(*ticks: Tick, reports: str = "") -> tuple[int, list[str], Script]:
         script, stream = Script(list(ticks)), io.StringIO()
         running = type("Running", (), {"stop": lambda _: script.stop_all()})()
-        for name in ("start", "alive", "processes", "kill", "hold"):
+        for name in ("start", "alive", "processes", "kill", "hold", "revive"):
             setattr(running, name, getattr(script, name))
         monkeypatch.setattr(launcher, "Supervisor", lambda *_: running)
         monkeypatch.setattr(launcher, "Heartbeats", lambda _: script)
@@ -152,6 +157,64 @@ def test_a_node_that_refuses_later_is_held_and_the_others_live_on(
     )
     assert (code, script.held) == (0, ["left"])
     assert told.count("left         ended with exit code 2") == 1
+
+
+KILLED = "exited: left (terminated by SIGKILL; not expected)\n"
+
+
+class Killed(list[Heartbeat]):
+    """Writes that ``left`` was killed once its heartbeats were heard."""
+
+    def __init__(self, logs: Path, *beats: Heartbeat) -> None:
+        super().__init__(beats)
+        self._report = logs / "logs" / "supervisord.log"
+
+    def __iter__(self) -> Iterator[Heartbeat]:
+        self._report.write_text(KILLED)
+        return super().__iter__()
+
+
+@pytest.mark.parametrize("state", ["BACKOFF", "FATAL"])
+def test_a_ready_node_that_was_killed_does_not_wait(play: Play, tmp_path: Path, state: str) -> None:
+    _, told, script = play(
+        (states(("STARTING", 2)), Killed(tmp_path, ready("left", 2))),
+        (states((state, 0)), []),
+        (states(("STARTING", 4)), []),
+        (states(("STARTING", 4)), []),
+    )
+    assert script.revived == ["left"]
+    assert "left         restarted (pid 4)" in told
+    assert not any("given up" in line for line in told)
+
+
+def test_a_node_that_was_killed_before_it_was_ready_waits(play: Play, tmp_path: Path) -> None:
+    starting = states(("STARTING", 2))
+    _, _, script = play((starting, Killed(tmp_path)), (states(("BACKOFF", 0)), []), (starting, []))
+    assert script.revived == []
+
+
+def test_a_node_that_must_not_restart_is_not_revived(
+    play: Play, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mortal = GraphNode.model_validate({"id": "left", "restart_policy": "never"})
+    monkeypatch.setitem(globals(), "PLAN", replace(PLAN, nodes=(mortal, PLAN.nodes[1])))
+    _, _, script = play(
+        (states(("STARTING", 2)), Killed(tmp_path, ready("left", 2))),
+        (states(("FATAL", 0)), []),
+        (states(("FATAL", 0)), []),
+    )
+    assert script.revived == []
+
+
+def test_a_node_that_does_nothing_yet_is_not_quoted(play: Play) -> None:
+    running = states(("RUNNING", 2))
+    beats = [ready("left", 2, doing="playing"), ready("left", 2), ready("left", 2, doing="playing")]
+    _, told, _ = play((running, []), (running, beats), (running, []))
+    assert [line for line in told if line.startswith("left")] == [
+        "left         started (pid 2)",
+        "left         playing",
+        "left         playing",
+    ]
 
 
 @pytest.mark.parametrize(("status", "code"), [("0; expected", 0), ("1; not expected", 1)])

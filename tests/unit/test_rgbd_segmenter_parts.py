@@ -68,8 +68,8 @@ def test_graph_segments_never_cross_a_domain():
     domain[:, 3:] = 1
     domain[2, 2] = -1
     regions = graph_segments(colour, domain, 40, 1)
-    assert len(np.unique(regions)) == 3
-    assert (regions == regions[2, 2]).sum() == 1
+    assert np.unique(regions).tolist() == [0, 1, 2]
+    assert np.argwhere(regions == 0).tolist() == [[2, 2]]
 
 
 def test_small_regions_join_a_neighbour():
@@ -83,10 +83,8 @@ def test_small_regions_join_a_neighbour():
 @pytest.mark.parametrize("shape", [(1, 1), (1, 9), (9, 1)])
 def test_graph_segments_of_hardly_an_image(shape):
     colour = np.zeros((*shape, 3), np.float32)
-    assert (
-        graph_segments(colour, np.zeros(shape, np.int32), 40, 3).tolist()
-        == np.zeros(shape).tolist()
-    )
+    regions = graph_segments(colour, np.zeros(shape, np.int32), 40, 3)
+    assert regions.tolist() == np.ones(shape).tolist()
 
 
 def test_a_plane_is_found_under_a_quarter_of_outliers():
