@@ -96,7 +96,7 @@ class _Regions:
         internal = self._internal[is_root]
         np.maximum.at(internal, number[region], np.maximum(self._internal[region], weights))
         self._internal = internal
-        self._size = np.bincount(number, weights=self._size)
+        self._size = np.bincount(number, weights=self._size).astype(np.float64)
         self._renumberings.append(number)
         self._low, self._high = number[self._low], number[self._high]
         self._keep(np.flatnonzero(self._low != self._high))

@@ -62,7 +62,7 @@ def _closeness(depth_m: Float32, step: int) -> Float32:
     ordered = _ordered([padded[v::step, u::step] for v in range(step) for u in range(step)])
     missing = np.count_nonzero(ordered <= 0, axis=0)
     middle = np.minimum((missing + step * step) // 2, step * step - 1)
-    depth = np.take_along_axis(ordered, middle[None], axis=0)[0]
+    depth: Float32 = np.take_along_axis(ordered, middle[None], axis=0)[0]
     closeness = np.zeros_like(depth)
     np.divide(1, depth, out=closeness, where=depth > 0)
     return closeness

@@ -48,5 +48,5 @@ def test_no_instance_no_file(tmp_path: Path) -> None:
 
 
 def test_a_name_that_is_no_picture_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="out.xyz"):
+    with pytest.raises(UserError, match=r"out\.xyz"):
         write_evidence({"instances": [instance(1, 1)]}, lambda key: GREY, tmp_path / "out.xyz")

@@ -37,6 +37,19 @@ def test_reduced_keeps_a_lone_measurement_and_loses_none_where_nothing_is():
     assert reduced(frame_of(depth_m), width=2).closeness.tolist() == [[0, 0], [0, 0.5]]
 
 
+@pytest.mark.parametrize("step", [1, 2, 3, 4])
+def test_reduced_depth_is_the_middle_of_what_was_measured(step):
+    rng = np.random.default_rng(step)
+    depth_m = rng.uniform(1, 3, (4 * step, 5 * step)).astype(np.float32)
+    depth_m[rng.random(depth_m.shape) < 0.4] = 0
+    closeness = reduced(frame_of(depth_m), width=5).closeness
+    for v, u in np.ndindex(4, 5):
+        block = depth_m[v * step : (v + 1) * step, u * step : (u + 1) * step]
+        measured = np.sort(block[block > 0])
+        middle = 1 / measured[len(measured) // 2] if len(measured) else 0
+        assert closeness[v, u] == pytest.approx(middle)
+
+
 def test_reduced_camera_sees_the_same_rays():
     image = reduced(frame_of(np.ones((48, 64))), width=32)
     centre_of_first_block = (0.5 - K[0, 2]) / K[0, 0]
@@ -115,6 +128,15 @@ def test_normals_face_the_camera():
     assert surface.normals_camera[:, 24, 32] == pytest.approx([0, 0, -1], abs=1e-6)
     assert not surface.steps.any()
     assert not surface.creases.any()
+
+
+def test_a_window_of_a_surface_has_the_same_plane_in_space():
+    true = Plane(np.array([0.001, 0.004, 0.3]))
+    closeness = -true.residual(np.zeros((48, 64), np.float32))
+    surface = surface_of(working(closeness), NOISE, 25)
+    part = surface.inside(np.s_[10:40, 20:64])
+    plane, _ = fitted_plane(part, np.ones((30, 44), bool), NOISE)
+    assert plane.normal_camera(part.K) == pytest.approx(true.normal_camera(K), abs=1e-3)
 
 
 def test_a_jump_is_a_step_and_a_steep_floor_is_not():
