@@ -32,6 +32,11 @@ class FeatureJournal:
             removed=np.zeros(0, np.int32),
         )
 
+    @property
+    def seq(self) -> int:
+        """The number of the last delta."""
+        return self._last.seq
+
     def __len__(self) -> int:
         return len(self._descriptors)
 

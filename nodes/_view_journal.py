@@ -31,6 +31,11 @@ class ViewJournal:
         )
 
     @property
+    def seq(self) -> int:
+        """The number of the last delta."""
+        return self._last.seq
+
+    @property
     def frame_seq(self) -> int:
         """The newest keyframe written about, -1 before the first."""
         return self._last.frame_seq

@@ -86,7 +86,7 @@ class Encoding:
         self._model = encoder.model_id
         self._describer = Describer(encoder, self._params.describe)
         self._keyframes = Keyframes(bus, scene, self._params.pictures)
-        self._journal = FeatureJournal(new_epoch(), self._model)
+        self._journal, self._marked = FeatureJournal(new_epoch(), self._model), 0
         bus.serve(FEATURE_SNAPSHOT, self._journal.answer, scene=scene, model=self._model)
         self._views = Follower(bus, VIEW_DELTA, VIEW_SNAPSHOT, self._follow, scene=scene)
         self._views.open()
@@ -100,6 +100,10 @@ class Encoding:
         deadline_s = time.monotonic() + self._params.turn_s
         while self._pending and self._resume_s <= time.monotonic() <= deadline_s:
             self._describe_next()
+        if not self._pending and self._journal.seq != self._marked:
+            # Nothing follows: without a mark, the loss of the last delta would show to nobody.
+            self._publish([], [])
+            self._marked = self._journal.seq
 
     def close(self) -> None:
         """Nothing to release."""

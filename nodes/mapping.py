@@ -61,7 +61,8 @@ class Mapping:
         """Start an empty map, subscribe to both inputs and serve the snapshot."""
         self._bus = bus
         self._mapper = Mapper(self._params.mapper)
-        self._epoch, self._seq = new_epoch(), 0
+        self._epoch, self._seq, self._marked = new_epoch(), 0, 0
+        self._newest = (-1, 0)
         context, depth = self._context, self._params.max_waiting
         bus.subscribe(FRAME, depth=depth, robot=context.robot, sensor=context.sensor)
         bus.subscribe(MASK, depth=depth, scene=context.scene)
@@ -70,11 +71,13 @@ class Mapping:
     def step(self, received: Received | None) -> None:
         """Keep one half of a keyframe, or integrate the keyframe when both are there."""
         if received is None:
+            self._mark_silence()
             return
         message = received.message
         if message.seq in self._done:
             if received.topic is FRAME:
-                self._repeat(message)
+                self._bus.count("frames_repeated")
+                self._publish_unchanged(message.seq, message.stamp_ns)
             return
         half = self._frames if received.topic is FRAME else self._masks
         half[message.seq] = message
@@ -97,14 +100,20 @@ class Mapping:
             return
         message = map_delta_message(delta, self._epoch, self._seq)
         self._bus.publish(MAP_DELTA, message, scene=self._context.scene)
+        self._newest = (frame.seq, frame.stamp_ns)
         self._bus.count("frames_integrated")
         self._bus.report(frame_seq=frame.seq, **self._mapper.counts())
 
-    def _repeat(self, frame: FrameMessage) -> None:
-        """Say again that a frame is in the map: whoever sent it twice missed that."""
-        self._bus.count("frames_repeated")
+    def _mark_silence(self) -> None:
+        """Let readers see, once, that nothing follows: else a lost last delta shows to nobody."""
+        if self._seq != self._marked:
+            self._publish_unchanged(*self._newest)
+            self._marked = self._seq
+
+    def _publish_unchanged(self, seq: int, stamp_ns: int) -> None:
+        """Say that frame ``seq`` is in the map: whoever sends it again missed that."""
         with self._lock:
-            delta = self._mapper.unchanged(frame.seq, frame.stamp_ns)
+            delta = self._mapper.unchanged(seq, stamp_ns)
             self._seq += 1
         message = map_delta_message(delta, self._epoch, self._seq)
         self._bus.publish(MAP_DELTA, message, scene=self._context.scene)

@@ -73,7 +73,7 @@ class Views:
     def open(self, bus: Bus) -> None:
         """Subscribe to frames and the map, serve the snapshot and the pictures."""
         context, self._bus = self._context, bus
-        self._journal = ViewJournal(epoch=new_epoch())
+        self._journal, self._marked = ViewJournal(epoch=new_epoch()), 0
         bus.subscribe(FRAME, depth=self._params.waiting, robot=context.robot, sensor=context.sensor)
         bus.serve(VIEW_SNAPSHOT, self._journal.answer, scene=context.scene)
         bus.serve(VIEW_IMAGE, self._answer_image, scene=context.scene)
@@ -81,7 +81,10 @@ class Views:
         self._map.open()
 
     def step(self, received: Received | None) -> None:
-        """Take in a frame or a change of the map; look at the keyframes that the map now holds."""
+        """Take in a frame or a change of the map; look at the keyframes that the map now holds.
+
+        The first silence is marked by a delta: else the loss of the last one shows to nobody.
+        """
         if received is None:
             self._map.tick()
         elif received.topic is FRAME:
@@ -90,7 +93,8 @@ class Views:
             self._map.offer(received.message)
         self._join()
         if received is None:
-            self._publish_changes()
+            self._publish_changes(always=self._journal.seq != self._marked)
+            self._marked = self._journal.seq
 
     def close(self) -> None:
         """Nothing to release."""

@@ -11,6 +11,7 @@ from sceneq_nodes._bus import QueryError, Reply
 from sceneq_nodes._convert import view_set_message
 from sceneq_nodes._wire import from_bytes
 from sceneq_nodes.encoding import Encoding, EncodingParams
+from sceneq_schemas.feature import FeatureDelta
 from sceneq_schemas.topics import (
     FEATURE_DELTA,
     FEATURE_SNAPSHOT,
@@ -65,8 +66,14 @@ def work(node, steps=10):
         node.step(None)
 
 
+def told(bus) -> list[FeatureDelta]:
+    """What was published, without the marks of silence."""
+    sent = bus.sent(FEATURE_DELTA)
+    return [delta for delta in sent if delta.descriptors or len(delta.removed)]
+
+
 def described(bus):
-    return [one.instance_id for m in bus.sent(FEATURE_DELTA) for one in m.descriptors]
+    return [one.instance_id for m in told(bus) for one in m.descriptors]
 
 
 def snapshot(bus):
@@ -79,7 +86,7 @@ def test_each_instance_is_described_by_its_views(bus, node):
     assert bus.reported["pending"] == 2
     work(node)
     assert (bus.reported["pending"], bus.reported["described"]) == (0, 2)
-    first, second = bus.sent(FEATURE_DELTA)
+    first, second = told(bus)
     assert (first.seq, second.seq) == (1, 2)
     assert (first.frame_seq, first.stamp_ns, first.model_id) == (10, 1000, MODEL)
     assert described(bus) == [1, 2]
@@ -95,7 +102,8 @@ def test_the_snapshot_is_the_sum_of_the_deltas(bus, node):
     work(node)
     whole = snapshot(bus)
     assert whole.full
-    assert (whole.epoch, whole.seq) == (bus.sent(FEATURE_DELTA)[-1].epoch, 2)
+    mark = bus.sent(FEATURE_DELTA)[-1]
+    assert (whole.epoch, whole.seq) == (mark.epoch, mark.seq)
     assert [one.instance_id for one in whole.descriptors] == [1, 2]
 
 
@@ -122,7 +130,7 @@ def test_every_instance_is_answerable_before_one_is_refined(bus, node):
     bus.deliver(node, VIEW_DELTA, delta(1, view_set(1, 20, 10, 30), view_set(2, 10, 20)))
     work(node)
     assert described(bus) == [1, 2, 1, 2]
-    looks = [m.descriptors[0].view_seq.tolist() for m in bus.sent(FEATURE_DELTA)]
+    looks = [m.descriptors[0].view_seq.tolist() for m in told(bus)]
     assert looks == [[20], [10], [10, 20, 30], [10, 20]]
 
 
@@ -136,9 +144,9 @@ def test_an_instance_that_is_gone_takes_its_descriptor_along(bus, node):
     bus.deliver(node, VIEW_DELTA, delta(1, view_set(1, 10), view_set(2, 20)))
     work(node)
     bus.deliver(node, VIEW_DELTA, delta(2, view_set(1), view_set(3)))
-    assert bus.sent(FEATURE_DELTA)[-1].removed.tolist() == [1]
+    assert told(bus)[-1].removed.tolist() == [1]
     bus.deliver(node, VIEW_DELTA, delta(1, view_set(3, 10), full=True, epoch=EPOCH + 1))
-    assert bus.sent(FEATURE_DELTA)[-1].removed.tolist() == [2]
+    assert told(bus)[-1].removed.tolist() == [2]
     work(node)
     assert [one.instance_id for one in snapshot(bus).descriptors] == [3]
 
@@ -147,7 +155,7 @@ def test_views_whose_picture_is_gone_are_skipped(bus, node):
     bus.deliver(node, VIEW_DELTA, delta(1, view_set(1, 10, 77), view_set(2, 78)))
     work(node)
     assert described(bus) == [1, 1]
-    assert bus.sent(FEATURE_DELTA)[-1].descriptors[0].view_seq.tolist() == [10]
+    assert told(bus)[-1].descriptors[0].view_seq.tolist() == [10]
     assert bus.counters["images_gone"] == 2
     assert bus.counters["instances_unseen"] == 1
 
@@ -189,3 +197,12 @@ def test_a_view_set_that_does_not_decode_is_skipped(bus, node):
 def test_bad_parameters_are_named(name, value):
     with pytest.raises(ValueError, match=f"^{name}:"):
         EncodingParams(**{name: value})
+
+
+def test_the_first_silence_is_marked_so_that_a_lost_last_delta_is_noticed(bus, node):
+    bus.deliver(node, VIEW_DELTA, delta(1, view_set(1, 10)))
+    work(node)
+    *_, last, mark = bus.sent(FEATURE_DELTA)
+    assert (len(last.descriptors), len(mark.descriptors), mark.seq) == (1, 0, last.seq + 1)
+    node.step(None)
+    assert bus.sent(FEATURE_DELTA)[-1].seq == mark.seq

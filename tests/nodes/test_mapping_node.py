@@ -125,6 +125,18 @@ def test_a_frame_that_does_not_decode_is_refused():
     assert bus.counters == {"frames_refused": 1}
 
 
+def test_the_first_silence_is_marked_so_that_a_lost_last_delta_is_noticed():
+    node, bus = opened()
+    show(node, bus, 0, 1)
+    for _ in range(3):
+        node.step(None)
+    mark = bus.sent(MAP_DELTA)[2:]
+    assert [(m.seq, m.frame_seq, len(m.voxel_id), m.instances) for m in mark] == [(3, 1, 0, ())]
+    show(node, bus, 2)
+    node.step(None)
+    assert [m.seq for m in bus.sent(MAP_DELTA)] == [1, 2, 3, 4, 5]
+
+
 def test_an_idle_step_and_close_do_nothing():
     node, bus = opened()
     node.step(None)

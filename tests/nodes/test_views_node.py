@@ -175,6 +175,15 @@ def test_a_change_without_a_keyframe_is_told_when_it_is_quiet(bus, stream):
     assert len(bus.sent(VIEW_DELTA)) == 5
 
 
+def test_the_first_silence_is_marked_so_that_a_lost_last_delta_is_noticed(bus, stream):
+    node = opened(bus)
+    run(bus, node, stream)
+    for _ in range(3):
+        node.step(None)
+    mark = bus.sent(VIEW_DELTA)[4:]
+    assert [(m.seq, m.frame_seq, m.view_sets) for m in mark] == [(5, 3, ())]
+
+
 def test_the_snapshot_is_there_before_anything_happened(bus):
     opened(bus)
     empty = snapshot(bus)
