@@ -1,5 +1,6 @@
 """Segments that somebody else made: one label image per frame in a folder."""
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
@@ -9,7 +10,10 @@ import numpy as np
 
 from sceneq_core.arrays import Array, UInt16
 from sceneq_core.frame import Frame
+from sceneq_nodes._frame_files import lap_length
 from sceneq_nodes._image_file import header
+
+NUMBER = re.compile(r"frame-(\d+)\.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +28,10 @@ class FilesSegmenterParams:
 
 
 class FilesSegmenter:
-    """Reads the label image with the frame's number."""
+    """Reads the label image with the frame's number.
+
+    When the folder is played in a loop, seq goes on from lap to lap and the numbers start anew.
+    """
 
     Params: ClassVar[type] = FilesSegmenterParams
 
@@ -33,6 +40,8 @@ class FilesSegmenter:
         self._folder = Path(params.path)
         if not self._folder.is_dir():
             raise ValueError(f"path: no folder {self._folder}")
+        found = (NUMBER.match(path.name) for path in self._folder.iterdir())
+        self._numbers = sorted({int(match[1]) for match in found if match})
 
     def segment(self, frame: Frame) -> UInt16:
         """Return the labels uint16 (H, W) of ``frame``, 0 = no segment.
@@ -40,7 +49,7 @@ class FilesSegmenter:
         Raises:
             ValueError: no file, no complete PNG, not grey 8 or 16 bit, or another size.
         """
-        path = self._folder / f"frame-{frame.seq:06d}.mask.png"
+        path = self._folder / f"frame-{self._number(frame.seq):06d}.mask.png"
         try:
             labels = _labels(path.read_bytes())
         except (OSError, ValueError) as error:
@@ -49,6 +58,12 @@ class FilesSegmenter:
         if labels.shape != frame.depth_m.shape:
             raise ValueError(f"{path}: expected (H, W) = {frame.depth_m.shape}, got {labels.shape}")
         return labels
+
+    def _number(self, seq: int) -> int:
+        if not self._numbers or seq <= self._numbers[-1]:
+            return seq
+        first = self._numbers[0]
+        return first + (seq - first) % lap_length(self._numbers)
 
 
 def _labels(data: bytes) -> UInt16:

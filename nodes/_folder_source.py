@@ -19,7 +19,7 @@ import numpy as np
 from sceneq_core.arrays import Float64
 from sceneq_core.ingest.source import Camera, RawFrame, Skipped
 from sceneq_nodes._camera_files import read_color_camera, read_intrinsics, read_stamps_ns
-from sceneq_nodes._frame_files import BadFileError, FrameFiles
+from sceneq_nodes._frame_files import BadFileError, FrameFiles, lap_length
 from sceneq_nodes._image_file import decode_depth_mm, decode_rgb
 
 LOOKED_AT = 16
@@ -69,7 +69,9 @@ class FolderSource:
     def frames(self) -> Iterator[RawFrame | Skipped]:
         """Yield one lap, or laps without end when looping; seq and stamps keep growing."""
         stamps_ns = [self._stamps_ns[number] for number in self._numbers]
-        lap_seq, lap_ns = _lap(self._numbers), _lap(stamps_ns)
+        # Of all frames, whatever the step: whoever knows the folder knows the length of a lap.
+        lap_seq = lap_length(self._files.numbers)
+        lap_ns = lap_length([self._stamps_ns[number] for number in self._files.numbers])
         for lap in count() if self._loop else range(1):
             for number, stamp_ns in zip(self._numbers, stamps_ns, strict=True):
                 yield self._frame(number, number + lap * lap_seq, stamp_ns + lap * lap_ns)
@@ -132,12 +134,6 @@ def _decoded(
         return decode(data)
     except ValueError as error:
         return Skipped(seq, path, str(error))
-
-
-def _lap(values: list[int]) -> int:
-    """Return how far a lap reaches: to one more step like the last."""
-    step = values[-1] - values[-2] if len(values) > 1 else 1
-    return values[-1] - values[0] + step
 
 
 def _x(size: tuple[int, int]) -> str:

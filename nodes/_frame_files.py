@@ -23,6 +23,12 @@ class BadFileError(Exception):
         self.reason = reason
 
 
+def lap_length(values: list[int]) -> int:
+    """Return how far a lap over growing ``values`` reaches: to one more step like the last."""
+    step = values[-1] - values[-2] if len(values) > 1 else 1
+    return values[-1] - values[0] + step
+
+
 class FrameFiles:
     """Frame number and part (``color``, ``depth``, ``pose``) -> file.
 

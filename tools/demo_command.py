@@ -48,8 +48,7 @@ def run(
 
 def _show(graph: "subprocess.Popen[bytes]", endpoint: str, out: Path, questions: list[str]) -> None:
     from sceneq_tools.collect import collect
-    from sceneq_tools.export_command import getter
-    from sceneq_tools.scene_files import describe
+    from sceneq_tools.export_command import getter, write_all
 
     with _connected(graph, endpoint) as client:
         scene = _first_instances(graph, client)
@@ -57,8 +56,7 @@ def _show(graph: "subprocess.Popen[bytes]", endpoint: str, out: Path, questions:
         typer.echo("\nthe recording is over; the same questions to the whole map:")
         for number, text in enumerate(questions, 1):
             show_evidence(client, _ask(client, scene, text), out / f"evidence-{number}.png")
-        files = collect(getter(client, scene), scene)
-        typer.echo(describe(files.write(out), out))
+        write_all(collect(getter(client, scene), scene), out, rrd=False)
         typer.echo(f"picture: {out / 'instances.png'}")
 
 

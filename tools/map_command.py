@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from sceneq_tools.export_command import Rrd, write_all
 from sceneq_tools.up_command import NoPoses, Scene, Segmenter, Step, source_overrides
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ def run(
     step: Step = None,
     no_poses: NoPoses = False,
     segmenter: Segmenter = None,
+    rrd: Rrd = False,
     report: Annotated[
         bool, typer.Option("--report", help="Compare estimated with given poses.")
     ] = False,
@@ -29,12 +31,11 @@ def run(
     """Write instances.npz, instances.json, cloud.ply and instances.png of a recording."""
     from sceneq_tools.batch import Batch
     from sceneq_tools.collect import collect
-    from sceneq_tools.scene_files import describe
 
     batch = Batch(_plan(graph, source, scene, step, no_poses, segmenter))
     try:
         _show_progress(batch)
-        typer.echo(describe(collect(batch.get, batch.scene).write(out), out))
+        write_all(collect(batch.get, batch.scene), out, rrd)
         for name, count in sorted(batch.troubles().items()):
             typer.echo(f"{name}: {count}")
         if report:

@@ -73,12 +73,13 @@ class SceneFiles:
         """The likeliest names at their places: a picture with all of them is not readable."""
         likeliest = sorted(self.instances, key=lambda record: (-record["p"], record["id"]))
         return {
-            _caption(record): np.asarray(record["centre"], np.float64)
+            caption(record): np.asarray(record["centre"], np.float64)
             for record in likeliest[:LABELS_IN_PICTURE]
         }
 
 
-def _caption(record: Mapping[str, Any]) -> str:
+def caption(record: Mapping[str, Any]) -> str:
+    """Return id and name of an instance, the name only where it is probable."""
     named = record["p"] >= NAMED_FROM_P
     return f"{record['id']} {record['label']}" if named else str(record["id"])
 

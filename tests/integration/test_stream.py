@@ -115,9 +115,7 @@ def test_the_command_line_answers_and_explains(settled: LiveGraph) -> None:
 def test_a_killed_node_comes_back_and_queries_work_again(
     graph: Path, recording: Path, runtime: Path
 ) -> None:
-    # Masks in files have no second lap, so the images have to do.
-    options = ("--loop", "--rate", "5", "--segmenter", "rgbd")
-    live = LiveGraph(graph, recording, runtime, *options)
+    live = LiveGraph(graph, recording, runtime, "--loop", "--rate", "5")
     try:
         live.wait(lambda: any(a.get("answerable") for a in live.zenoh_get(STATUS)))
         for node in NODES:

@@ -15,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+from sceneq_tools.graph import GraphNode
+
 pytestmark = pytest.mark.integration
 
 PATIENCE_S = 30.0
@@ -122,6 +124,21 @@ def start(tmp_path: Path, port: int, short: Path) -> Iterator[Callable[..., Up]]
     for up in started:
         up.process.kill()
         up.end()
+
+
+def test_a_node_that_was_ready_may_be_killed_more_often_than_a_start_may_fail(
+    start: Callable[..., Up],
+) -> None:
+    up = start()
+    pid = up.wait_for_pid("left", "started")
+    up.wait_for("all 2 nodes are ready")
+    for _ in range(GraphNode.model_fields["max_restarts"].default + 2):
+        os.kill(pid, signal.SIGKILL)
+        pid = up.wait_for_pid("left", "restarted")
+        up.wait_for("left +ready again")
+    assert "given up" not in "".join(up.printed)
+    os.kill(up.process.pid, signal.SIGINT)
+    assert up.end() == 0
 
 
 def test_what_dies_or_hangs_comes_back_and_ctrl_c_ends_everything(
