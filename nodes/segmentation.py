@@ -33,7 +33,7 @@ class SegmentationParams:
     """``segmenter``: kind and parameters of the backend; ``inbox``: frames kept when behind."""
 
     segmenter: dict[str, Any] = field(default_factory=lambda: {"kind": "rgbd"})
-    inbox: int = 2
+    inbox: int = 4
 
     def __post_init__(self) -> None:
         if self.inbox < 1:
