@@ -30,29 +30,33 @@ def run(
     question: Annotated[
         list[str] | None, typer.Option("--question", "-q", help="Ask this; repeat for more.")
     ] = None,
-    port: Annotated[int | None, typer.Option(help="TCP port of the router.")] = None,
+    graph: Annotated[
+        Path | None, typer.Option(help="Default: ./graph.yaml, else the one in the package.")
+    ] = None,
+    rate: Annotated[float, typer.Option(help="Source frames a second.")] = RATE_HZ,
 ) -> None:
     """Run a recording through the graph, ask while it runs, write the map and a picture."""
-    port = port or _free_port()
-    command = [sys.executable, "-m", "sceneq_tools", "up", "--source", str(source)]
-    graph = subprocess.Popen([*command, "--rate", f"{RATE_HZ:g}", "--port", str(port)])
+    port = _free_port()
+    options = ["--source", str(source), "--rate", f"{rate:g}", "--port", str(port)]
+    command = [sys.executable, "-m", "sceneq_tools", "up", *options]
+    up = subprocess.Popen([*command, str(graph)] if graph else command)
     try:
-        _show(graph, f"tcp/127.0.0.1:{port}", out, question or list(QUESTIONS))
+        _show(up, f"tcp/127.0.0.1:{port}", out, question or list(QUESTIONS))
     finally:
-        graph.send_signal(signal.SIGINT)
+        up.send_signal(signal.SIGINT)
         try:
-            graph.wait(STOP_S)
+            up.wait(STOP_S)
         except subprocess.TimeoutExpired:
-            graph.kill()
+            up.kill()
 
 
-def _show(graph: "subprocess.Popen[bytes]", endpoint: str, out: Path, questions: list[str]) -> None:
+def _show(up: "subprocess.Popen[bytes]", endpoint: str, out: Path, questions: list[str]) -> None:
     from sceneq_tools.collect import collect
     from sceneq_tools.export_command import getter, write_all
 
-    with _connected(graph, endpoint) as client:
-        scene = _first_instances(graph, client)
-        _ask_while_it_plays(graph, client, scene, questions)
+    with _connected(up, endpoint) as client:
+        scene = _first_instances(up, client)
+        _ask_while_it_plays(up, client, scene, questions)
         typer.echo("\nthe recording is over; the same questions to the whole map:")
         for number, text in enumerate(questions, 1):
             show_evidence(client, _ask(client, scene, text), out / f"evidence-{number}.png")
@@ -60,7 +64,7 @@ def _show(graph: "subprocess.Popen[bytes]", endpoint: str, out: Path, questions:
         typer.echo(f"picture: {out / 'instances.png'}")
 
 
-def _connected(graph: "subprocess.Popen[bytes]", endpoint: str) -> "Client":
+def _connected(up: "subprocess.Popen[bytes]", endpoint: str) -> "Client":
     """Return a client as soon as the router answers."""
     from sceneq_nodes._client import Client
 
@@ -69,20 +73,20 @@ def _connected(graph: "subprocess.Popen[bytes]", endpoint: str) -> "Client":
         try:
             return Client(endpoint)
         except ConnectionError:
-            _need_running(graph)
+            _need_running(up)
             if time.monotonic() > deadline_s:
                 raise
             time.sleep(POLL_S)
 
 
-def _first_instances(graph: "subprocess.Popen[bytes]", client: "Client") -> str:
+def _first_instances(up: "subprocess.Popen[bytes]", client: "Client") -> str:
     """Wait until there is something to ask about; return its scene."""
     from sceneq_tools.errors import UserError
     from sceneq_tools.scenes import scene_status
 
     deadline_s = time.monotonic() + READY_S
     while time.monotonic() < deadline_s:
-        _need_running(graph)
+        _need_running(up)
         for scene, status in scene_status(client).items():
             if status.get("answerable"):
                 return scene
@@ -91,13 +95,13 @@ def _first_instances(graph: "subprocess.Popen[bytes]", client: "Client") -> str:
 
 
 def _ask_while_it_plays(
-    graph: "subprocess.Popen[bytes]", client: "Client", scene: str, questions: list[str]
+    up: "subprocess.Popen[bytes]", client: "Client", scene: str, questions: list[str]
 ) -> None:
     """Put one question after the other until the last frame is described."""
     heard = _Heard(client)
     deadline_s, next_s, turn = time.monotonic() + SETTLE_S, 0.0, 0
     while not heard.settled() and time.monotonic() < deadline_s:
-        _need_running(graph)
+        _need_running(up)
         if time.monotonic() >= next_s and not heard.source_finished():
             typer.echo(f"\n{heard.progress()}")
             _ask(client, scene, questions[turn % len(questions)])
@@ -115,11 +119,11 @@ def _ask(client: "Client", scene: str, text: str) -> "Asked":
     return asked
 
 
-def _need_running(graph: "subprocess.Popen[bytes]") -> None:
+def _need_running(up: "subprocess.Popen[bytes]") -> None:
     from sceneq_tools.errors import UserError
 
-    if graph.poll() is not None:
-        raise UserError("the graph stopped; the lines above say why", graph.returncode or 1)
+    if up.poll() is not None:
+        raise UserError("the graph stopped; the lines above say why", up.returncode or 1)
 
 
 class _Heard:
