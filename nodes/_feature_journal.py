@@ -44,18 +44,31 @@ class FeatureJournal:
         return instance_id in self._descriptors
 
     def write(
-        self, changed: Iterable[Descriptor], removed: Iterable[int], frame_seq: int, stamp_ns: int
+        self,
+        changed: Iterable[Descriptor],
+        removed: Iterable[int],
+        *,
+        frame_seq: int,
+        stamp_ns: int,
+        map_epoch: int,
     ) -> FeatureDelta:
-        """Return the next delta; ``frame_seq`` is the newest keyframe its views were chosen of."""
+        """Return the next delta; ``frame_seq`` is the newest keyframe its views were chosen of.
+
+        The first of another ``map_epoch`` is full: nothing of the old map holds there.
+        """
         with self._lock:
+            other_map = map_epoch != self._last.map_epoch
+            if other_map:
+                self._descriptors.clear()
             self._last = replace(
                 self._last,
                 seq=self._last.seq + 1,
-                full=False,
+                full=other_map,
                 frame_seq=frame_seq,
                 stamp_ns=stamp_ns,
                 descriptors=tuple(changed),
                 removed=np.array(sorted(removed), np.int32),
+                map_epoch=map_epoch,
             )
             for instance_id in self._last.removed.tolist():
                 self._descriptors.pop(instance_id, None)

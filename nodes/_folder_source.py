@@ -67,14 +67,22 @@ class FolderSource:
         return len(self._numbers)
 
     def frames(self) -> Iterator[RawFrame | Skipped]:
-        """Yield one lap, or laps without end when looping; seq and stamps keep growing."""
+        """Yield one lap, or laps without end when looping; seq and stamps keep growing.
+
+        A lap without a single usable frame is the last: the files are gone.
+        """
         stamps_ns = [self._stamps_ns[number] for number in self._numbers]
         # Of all frames, whatever the step: whoever knows the folder knows the length of a lap.
         lap_seq = lap_length(self._files.numbers)
         lap_ns = lap_length([self._stamps_ns[number] for number in self._files.numbers])
         for lap in count() if self._loop else range(1):
+            usable = False
             for number, stamp_ns in zip(self._numbers, stamps_ns, strict=True):
-                yield self._frame(number, number + lap * lap_seq, stamp_ns + lap * lap_ns)
+                frame = self._frame(number, number + lap * lap_seq, stamp_ns + lap * lap_ns)
+                usable = usable or isinstance(frame, RawFrame)
+                yield frame
+            if not usable:
+                return
 
     def _frame(self, number: int, seq: int, stamp_ns: int) -> RawFrame | Skipped:
         try:

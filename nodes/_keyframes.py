@@ -26,6 +26,7 @@ class Keyframes:
         self._scene = scene
         self._capacity = capacity
         self._images: OrderedDict[tuple[int, int], UInt8] = OrderedDict()
+        self._skipped = 0
 
     def image(self, view: View) -> UInt8 | None:
         """Return the keyframe of ``view``, uint8 (H, W, 3), or ``None`` when it is gone for good.
@@ -64,5 +65,9 @@ class Keyframes:
         return replies[0]
 
     def _skip(self, counter: str, seq: int, error: Exception) -> None:
+        """Count, and log the 1st, 2nd, 4th, 8th, ...: a restart of the archive skips many."""
         self._bus.count(counter)
-        log.warning("keyframe %d: its view is skipped, %s", seq, error)
+        self._skipped += 1
+        if self._skipped & (self._skipped - 1) == 0:
+            text = "view skipped, no. %d: keyframe %d: %s"
+            log.warning(text, self._skipped, seq, error)

@@ -30,12 +30,18 @@ def answer_image(request: Request, image: Callable[[int], bytes | None]) -> Repl
 
 def _parse(parameters: Mapping[str, str]) -> tuple[int, Float32 | None]:
     try:
-        seq = int(parameters["seq"])
+        seq = _whole_number(parameters["seq"])
         return seq, _box(parameters["box"]) if "box" in parameters else None
     except KeyError as error:
         raise QueryError("bad_request", "the parameter seq is missing", HINT) from error
     except ValueError as error:
         raise QueryError("bad_request", str(error), HINT) from error
+
+
+def _whole_number(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) <= 18):
+        raise ValueError(f"seq: expected a whole number, got {text!r:.60}")
+    return int(text)
 
 
 def _box(text: str) -> Float32:

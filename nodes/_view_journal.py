@@ -41,24 +41,30 @@ class ViewJournal:
         return self._last.frame_seq
 
     def write(self, changed: Iterable[ViewSet], **where: int) -> ViewDelta:
-        """Return the next delta; ``where`` are its keyframe and map revision if they moved on."""
+        """Return the next delta; ``where`` are its keyframe and map revision if they moved on.
+
+        Of a new map every view set is told: its readers forget what they know of the old one.
+        """
         with self._lock:
-            sets = tuple(changed)
-            seq = self._last.seq + 1
-            self._last = replace(self._last, seq=seq, full=False, view_sets=sets, **where)
+            before, sets = self._last, tuple(changed)
             for view_set in sets:
                 self._keep(view_set)
+            self._last = replace(before, seq=before.seq + 1, full=False, view_sets=sets, **where)
+            if self._last.map_epoch != before.map_epoch:
+                self._last = replace(self._last, full=True, view_sets=self._every())
             return self._last
 
     def snapshot(self) -> ViewDelta:
         """Return every view set as of the last delta."""
         with self._lock:
-            sets = tuple(self._view_sets[i] for i in sorted(self._view_sets))
-            return replace(self._last, full=True, view_sets=sets)
+            return replace(self._last, full=True, view_sets=self._every())
 
     def answer(self, request: Request) -> Reply:
         """Answer a request for the snapshot."""
         return Reply(to_bytes(VIEW_SNAPSHOT, self.snapshot()), VIEW_SNAPSHOT.encoding)
+
+    def _every(self) -> tuple[ViewSet, ...]:
+        return tuple(self._view_sets[i] for i in sorted(self._view_sets))
 
     def _keep(self, view_set: ViewSet) -> None:
         if view_set.views:

@@ -76,6 +76,7 @@ class Encoding:
         self._context = context
         self._pending = Pending()
         self._latest = (-1, 0)
+        self._map_epoch = 0
         self._resume_s = 0.0
 
     def open(self, bus: Bus) -> None:
@@ -109,10 +110,17 @@ class Encoding:
         """Nothing to release."""
 
     def _follow(self, delta: ViewDelta) -> None:
+        """Take over changed view sets; what is not mentioned stays as it is, also when ``full``.
+
+        A views node that starts again has yet to see most instances: that is no reason to forget
+        what they look like. Another map is: its ids mean other things.
+        """
+        if not delta.map_epoch:
+            return  # it knows no map yet
         self._latest = (delta.frame_seq, delta.stamp_ns)
+        if delta.map_epoch != self._map_epoch:
+            self._map_epoch, self._pending = delta.map_epoch, Pending()
         gone = {one.instance_id for one in delta.view_sets if not one.views}
-        if delta.full:
-            gone |= self._pending.instances() - {one.instance_id for one in delta.view_sets}
         for instance_id in gone:
             self._pending.forget(instance_id)
         for message in delta.view_sets:
@@ -158,7 +166,10 @@ class Encoding:
         self._publish([descriptor], [])
 
     def _publish(self, changed: list[Descriptor], removed: list[int]) -> None:
-        delta = self._journal.write(changed, removed, *self._latest)
+        frame_seq, stamp_ns = self._latest
+        delta = self._journal.write(
+            changed, removed, frame_seq=frame_seq, stamp_ns=stamp_ns, map_epoch=self._map_epoch
+        )
         self._bus.publish(FEATURE_DELTA, delta, scene=self._context.scene, model=self._model)
 
     def _report(self) -> None:

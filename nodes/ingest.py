@@ -5,6 +5,7 @@ Writes  sceneq/pose/<robot>/v1 for every frame, sceneq/frame/<robot>/<sensor>/v1
 Rate    ``rate_hz`` frames a second, late ones at once (``frames_late``), latest wins; or, without
         a rate, as fast as the graph takes it: at most ``window`` keyframes are on their way, an
         unacknowledged one is sent again (``frames_resent``), in the end given up (``frames_lost``).
+        When mapping or views start again while it plays, so does the source (``replays``).
 Bad     a source that cannot be opened ends the process with code 2; a bad frame is skipped, logged
         with file and reason and counted (``frames_skipped``).
 """
@@ -24,6 +25,7 @@ from sceneq_nodes._pacer import Pacer
 from sceneq_nodes._window import Window
 from sceneq_schemas.frame import Frame, Pose
 from sceneq_schemas.topics import FRAME, POSE, VIEW_DELTA
+from sceneq_schemas.view import ViewDelta
 
 log = logging.getLogger(__name__)
 
@@ -41,7 +43,8 @@ class IngestParams:
     ``rate_hz`` None or 0 means lossless. ``wait_for`` names nodes that must live before the first
     frame, for at most ``wait_s``. ``window`` and ``resend_s`` are for lossless play: keyframes on
     their way (more than segmentation's ``inbox`` holds would be dropped and come late), and the
-    silence of the graph after which one is sent again, ``tries`` times in all.
+    silence of the graph after which one is sent again, ``tries`` times in all; ``replays``: how
+    often the source starts again for readers that did, for a frame may be what ends them.
     """
 
     source: dict[str, Any]
@@ -53,6 +56,7 @@ class IngestParams:
     window: int = 2
     resend_s: float = 2.0
     tries: int = 5
+    replays: int = 3
     wait_for: tuple[str, ...] = ("segmentation", "mapping", "views")
     wait_s: float = 20.0
 
@@ -66,6 +70,8 @@ class IngestParams:
         for name in ("window", "tries", "resend_s"):
             if not getattr(self, name) > 0:
                 raise ValueError(f"{name}: expected more than 0, got {getattr(self, name)}")
+        if self.replays < 0:
+            raise ValueError(f"replays: expected 0 or more, got {self.replays}")
 
 
 class Ingest:
@@ -78,17 +84,15 @@ class Ingest:
         self._params = params
         self._context = context
         self._pacer = Pacer(params.rate_hz) if params.rate_hz else None
-        self._window: Window[Frame] = Window(params.window, params.resend_s, params.tries)
-        self._frames = self._keyframes = 0
+        self._readers: tuple[int, int] | None = None
+        self._replays = 0
         self._state = "waiting"
 
     def open(self, bus: Bus) -> None:
         """Open the source; raise ``ValueError`` when it cannot be played."""
         self._bus = bus
         params = self._params
-        specs = IngestSpecs(params.source, params.keyframes, params.odometry)
-        source, self._ingestor = open_ingestor(specs)
-        self._raw: Iterator[RawFrame | Skipped] = source.frames()
+        self._rewind()
         if self._pacer is None:
             bus.subscribe(VIEW_DELTA, depth=4 * params.window, scene=self._context.scene)
         self._wait_until_s = time.monotonic() + params.wait_s
@@ -100,6 +104,7 @@ class Ingest:
         now_s = time.monotonic()
         if received is not None:
             self._window.acknowledge(received.message.frame_seq, now_s)
+            self._meet(received.message)
         self._resend(now_s)
         if self._state == "waiting" and self._graph_is_there(now_s):
             self._report("playing")
@@ -113,6 +118,30 @@ class Ingest:
 
     def close(self) -> None:
         """Nothing to release."""
+
+    def _rewind(self) -> None:
+        params = self._params
+        specs = IngestSpecs(params.source, params.keyframes, params.odometry)
+        source, self._ingestor = open_ingestor(specs)
+        self._raw: Iterator[RawFrame | Skipped] = source.frames()
+        self._window: Window[Frame] = Window(params.window, params.resend_s, params.tries)
+        self._frames = self._keyframes = 0
+
+    def _meet(self, delta: ViewDelta) -> None:
+        """Start again when mapping or views did: the map, or the pictures, are lost.
+
+        What the map still holds is acknowledged without being integrated again.
+        """
+        if not delta.map_epoch:
+            return  # views does not know the map yet
+        before, self._readers = self._readers, (delta.epoch, delta.map_epoch)
+        lost = before not in (None, self._readers) and self._state in ("playing", "ending")
+        if lost and self._replays < self._params.replays:
+            log.warning("mapping or views have started again, and so does the source")
+            self._replays += 1
+            self._bus.count("replays")
+            self._rewind()
+            self._report("playing")
 
     def _is_due(self, now_s: float) -> bool:
         return self._pacer.is_due(now_s) if self._pacer else self._window.has_room()

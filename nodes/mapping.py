@@ -97,6 +97,7 @@ class Mapping:
         except (DecodeError, ValueError) as error:
             self._bus.count("frames_refused")
             log.warning("frame %d refused: %s", frame.seq, error)
+            self._publish_unchanged(frame.seq, frame.stamp_ns)  # nobody need send it again
             return
         message = map_delta_message(delta, self._epoch, self._seq)
         self._bus.publish(MAP_DELTA, message, scene=self._context.scene)

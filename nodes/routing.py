@@ -147,6 +147,8 @@ class Routing:
         self._swap(time.monotonic())
 
     def _apply_views(self, message: ViewDelta) -> None:
+        if not message.map_epoch:
+            return  # the views node has started again and knows no map yet
         views = {
             view_set.instance_id: tuple(
                 ViewRef(view.seq, tuple(view.box_xyxy.tolist()))
@@ -155,17 +157,19 @@ class Routing:
             )
             for view_set in message.view_sets
         }
-        self._scene.apply_views(message.map_epoch, views, full=message.full)
+        self._scene.apply_views(message.map_epoch, views)
         self._swap(self._look.map_arrived_s)
 
     def _apply_features(self, message: FeatureDelta) -> None:
+        if not message.map_epoch:
+            return  # the encoding node has started again and knows no views yet
         descriptors = {}
         for one in message.descriptors:
             if self._scene.accepts(one.descriptor):
                 descriptors[one.instance_id] = one.descriptor
             else:
                 self._refuse("descriptors_refused", f"descriptor of instance {one.instance_id}")
-        self._scene.apply_descriptors(descriptors, message.removed, full=message.full)
+        self._scene.apply_descriptors(message.map_epoch, descriptors, message.removed)
         self._swap(self._look.map_arrived_s)
 
     def _move(self, pose: Pose) -> None:

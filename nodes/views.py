@@ -2,11 +2,12 @@
 
 Reads   frames and map deltas, joined by ``seq``: a keyframe is looked at once the map holds it.
 Writes  one view delta per keyframe looked at, also when no view set changed: it tells ingest how
-        far the graph has come. A keyframe sent again is acknowledged again.
+        far the graph has come. A keyframe sent again is acknowledged again. The first delta after
+        a restart of the map is full: ids mean other things from there on.
 Serves  sceneq/view/<scene>/@snapshot/v1 and @image/v1 (JPEG of a keyframe, ``?seq=``, ``;box=``).
 Rate    as the map changes, about 3 Hz; STATE delivery, gaps are healed from the snapshot.
 Bad     frames that the map never takes in are let go (``frames_unmatched``), frames that do not
-        decode are skipped (``frames_bad``), a delta that contradicts the map too
+        decode are acknowledged and skipped (``frames_bad``), a delta that contradicts the map too
         (``map_delta_bad``); each is logged.
 """
 
@@ -45,11 +46,15 @@ REMEMBERED = 64
 
 @dataclass(frozen=True, slots=True)
 class ViewsParams:
-    """How views are ranked, how many images are kept, how many frames wait for their map."""
+    """How views are ranked, how many images are kept, how many frames wait for their map.
+
+    ``waiting`` is more than segmentation and mapping hold between them when they fall behind: else
+    every frame would be let go just before the map takes it in, and nothing be seen any more.
+    """
 
     choice: ChoiceParams = field(default_factory=ChoiceParams)
     archive: ArchiveParams = field(default_factory=ArchiveParams)
-    waiting: int = 8
+    waiting: int = 40
 
     def __post_init__(self) -> None:
         if self.waiting < 1:
@@ -69,6 +74,7 @@ class Views:
         self._waiting: dict[int, Frame] = {}
         self._observed: deque[tuple[int, int]] = deque(maxlen=REMEMBERED)
         self._mapped: deque[int] = deque(maxlen=REMEMBERED)
+        self._newest = (-1, 0)
 
     def open(self, bus: Bus) -> None:
         """Subscribe to frames and the map, serve the snapshot and the pictures."""
@@ -107,6 +113,9 @@ class Views:
             self._bus.count("map_delta_bad")
             log.warning("map %d:%d: %s", delta.epoch, delta.seq, error)
             return
+        if delta.epoch != self._map.epoch:
+            self._mapped.clear()
+            self._observed.clear()  # to be acknowledged only when the new map holds them
         several = delta.full and delta.seq > 1
         older = [seq for seq in self._waiting if several and seq < delta.frame_seq]
         self._mapped.extend((*older, delta.frame_seq))
@@ -117,6 +126,7 @@ class Views:
         if key in self._observed:
             self._observed.remove(key)
             self._observed.append(key)
+            self._newest = key
             self._publish_changes(always=True)
             return
         self._waiting[frame.seq] = frame
@@ -136,16 +146,17 @@ class Views:
         except DecodeError as error:
             self._bus.count("frames_bad")
             log.warning("frame %d: skipped, %s", message.seq, error)
-            return
-        self._observed.append((message.seq, message.stamp_ns))
-        self._bus.count("frames_observed")
+        else:
+            self._bus.count("frames_observed")
+        self._newest = (message.seq, message.stamp_ns)
+        self._observed.append(self._newest)
         self._publish_changes(always=True)
 
     def _publish_changes(self, always: bool = False) -> None:
         changed = [view_set_message(view_set) for view_set in self._selector.changes()]
         if not (changed or always):
             return
-        seq, stamp_ns = self._observed[-1] if self._observed else (-1, 0)
+        seq, stamp_ns = self._newest
         delta = self._journal.write(
             changed,
             frame_seq=seq,

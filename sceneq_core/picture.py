@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import Float32, Float64, Int32, UInt8
+from sceneq_core.arrays import Float32, Float64, Int32, Int64, UInt8
 
 BACKGROUND = (250, 250, 248)
 GOLDEN_RATIO = 0.618033988749895
@@ -111,13 +111,13 @@ def draw_labels(image: UInt8, viewpoint: Viewpoint, labels: Mapping[str, Float64
 
 
 def _splat(
-    image: UInt8, buffer_m: Float32, v: Float64, u: Float64, depth_m: Float64, rgb: UInt8
+    image: UInt8, buffer_m: Float32, v: Int64, u: Int64, depth_m: Float64, rgb: UInt8
 ) -> None:
     """Write points ordered far to near: of several on one pixel the last, nearest, stays."""
-    order_safe = depth_m < buffer_m[v, u]
-    v, u = v[order_safe], u[order_safe]
-    image[v, u] = rgb[order_safe]
-    buffer_m[v, u] = depth_m[order_safe]
+    nearer = depth_m < buffer_m[v, u]
+    v, u = v[nearer], u[nearer]
+    image[v, u] = rgb[nearer]
+    buffer_m[v, u] = depth_m[nearer]
 
 
 def _eye_dome(image: UInt8, buffer_m: Float32) -> UInt8:

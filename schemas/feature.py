@@ -18,7 +18,10 @@ class Descriptor:
 
 @dataclass(frozen=True, slots=True)
 class FeatureDelta:
-    """Descriptors that changed since ``seq - 1`` of the same ``epoch``; all with ``full``."""
+    """Descriptors that changed since ``seq - 1`` of the same ``epoch``; all with ``full``.
+
+    ``map_epoch`` names the map whose instances are described; a delta of another one is full.
+    """
 
     VERSION: ClassVar[int] = 1
     SCHEMA: ClassVar[str] = "sceneq.feat.v1"
@@ -30,3 +33,4 @@ class FeatureDelta:
     model_id: str
     descriptors: tuple[Descriptor, ...]
     removed: Annotated[Array, ArraySpec("<i4", (None,))]
+    map_epoch: int = 0

@@ -35,7 +35,7 @@ class ViewDelta:
     """View sets that changed since ``seq - 1`` of the same ``epoch``; all of them with ``full``.
 
     ``map_epoch`` and ``map_seq`` name the map revision the visibility was computed against and
-    ``frame_seq`` the newest keyframe seen.
+    ``frame_seq`` the newest keyframe seen; a delta of another map epoch is full.
     """
 
     VERSION: ClassVar[int] = 1

@@ -147,7 +147,7 @@ class Launcher:
     def _unwatch(self, name: str) -> None:
         self._ready.discard(name)
         if name == ROUTER:
-            self._watchdog.forget_all()
+            self._watchdog.forgive(time.monotonic())
         self._watchdog.forget(name)
 
     def _over(self, processes: list[Process]) -> int | None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sceneq_core.arrays import Float32, UInt8
+from sceneq_core.checks import need_at_least, need_within
 from sceneq_core.encoding.encoder import Encoder
 from sceneq_core.encoding.joint import unit
 from sceneq_core.encoding.pending import view_key
@@ -30,12 +31,9 @@ class DescribeParams:
     remembered: int = 4096
 
     def __post_init__(self) -> None:
-        if not 1 <= self.levels <= 8:
-            raise ValueError(f"levels: {self.levels} is not in [1, 8]")
-        if not 0 <= self.expand <= 2:
-            raise ValueError(f"expand: {self.expand} is not in [0, 2]")
-        if self.remembered < 1:
-            raise ValueError(f"remembered: must be at least 1, got {self.remembered}")
+        need_within(self, 1, 8, "levels")
+        need_within(self, 0, 2, "expand")
+        need_at_least(self, 1, "remembered")
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 from sceneq_core.arrays import Float64
+from sceneq_core.checks import need_at_least, need_positive
 from sceneq_core.ingest.transforms import angle_deg, distance_m
 
 
@@ -17,22 +18,23 @@ class KeyframePolicy(Protocol):
         """Learn that it did: a due frame whose images are bad is followed up by the next one."""
 
 
+@dataclass(frozen=True, slots=True)
+class EveryNthParams:
+    """``every``: source frames from one keyframe to the next."""
+
+    every: int = 10
+
+    def __post_init__(self) -> None:
+        need_at_least(self, 1, "every")
+
+
 class EveryNth:
     """A keyframe every ``every`` source frames."""
 
-    @dataclass(frozen=True, slots=True)
-    class Params:
-        """``every``: source frames from one keyframe to the next."""
-
-        every: int = 10
-
-        def __post_init__(self) -> None:
-            if self.every < 1:
-                raise ValueError(f"every: expected 1 or more, got {self.every}")
-
+    Params: ClassVar[type] = EveryNthParams
     kind: ClassVar[str] = "every"
 
-    def __init__(self, params: Params) -> None:
+    def __init__(self, params: EveryNthParams) -> None:
         self.params = params
         self._since_last = params.every - 1
 
@@ -46,24 +48,24 @@ class EveryNth:
         self._since_last = 0
 
 
+@dataclass(frozen=True, slots=True)
+class MotionParams:
+    """``translation_m`` metres or ``rotation_deg`` degrees, whichever is reached first."""
+
+    translation_m: float = 0.10
+    rotation_deg: float = 10.0
+
+    def __post_init__(self) -> None:
+        need_positive(self, "translation_m", "rotation_deg")
+
+
 class Motion:
     """A keyframe whenever the camera has moved or turned enough since the last one."""
 
-    @dataclass(frozen=True, slots=True)
-    class Params:
-        """``translation_m`` metres or ``rotation_deg`` degrees, whichever is reached first."""
-
-        translation_m: float = 0.10
-        rotation_deg: float = 10.0
-
-        def __post_init__(self) -> None:
-            for name in ("translation_m", "rotation_deg"):
-                if not getattr(self, name) > 0:
-                    raise ValueError(f"{name}: expected more than 0, got {getattr(self, name)}")
-
+    Params: ClassVar[type] = MotionParams
     kind: ClassVar[str] = "motion"
 
-    def __init__(self, params: Params) -> None:
+    def __init__(self, params: MotionParams) -> None:
         self.params = params
         self._T_world_last: Float64 | None = None
 

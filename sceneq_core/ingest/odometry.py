@@ -1,11 +1,13 @@
 """Poses for streams that have none."""
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
 from sceneq_core.arrays import Float64, UInt16
+from sceneq_core.checks import need_positive
+from sceneq_core.depth import pixel_rays
 from sceneq_core.ingest.transforms import nearest_rigid
 
 
@@ -21,35 +23,35 @@ class Odometry(Protocol):
         """Return T_world_camera (4, 4) of the next depth image, ``None`` when it cannot tell."""
 
 
+@dataclass(frozen=True, slots=True)
+class KissIcpParams:
+    """Lengths in metres.
+
+    ``voxel_m`` is the resolution of the local map; ``initial_threshold_m`` how far apart
+    matching points may be before the motion is known; ``min_motion_m`` the deviation from
+    constant velocity below which that threshold does not adapt; ``max_range_m`` bounds both
+    the depth used and the local map; of ``stride`` x ``stride`` pixels one is used.
+    ``min_points`` valid pixels are the least that can fix six degrees of freedom robustly.
+    """
+
+    voxel_m: float = 0.1
+    initial_threshold_m: float = 0.3
+    min_motion_m: float = 0.02
+    max_range_m: float = 10.0
+    stride: int = 2
+    min_points: int = 500
+
+    def __post_init__(self) -> None:
+        need_positive(self, *self.__dataclass_fields__)
+
+
 class KissIcpOdometry:
     """KISS-ICP (Vizzo et al. 2023, DOI 10.1109/LRA.2023.3236571) on back-projected depth."""
 
-    @dataclass(frozen=True, slots=True)
-    class Params:
-        """Lengths in metres.
-
-        ``voxel_m`` is the resolution of the local map; ``initial_threshold_m`` how far apart
-        matching points may be before the motion is known; ``min_motion_m`` the deviation from
-        constant velocity below which that threshold does not adapt; ``max_range_m`` bounds both
-        the depth used and the local map; of ``stride`` x ``stride`` pixels one is used.
-        ``min_points`` valid pixels are the least that can fix six degrees of freedom robustly.
-        """
-
-        voxel_m: float = 0.1
-        initial_threshold_m: float = 0.3
-        min_motion_m: float = 0.02
-        max_range_m: float = 10.0
-        stride: int = 2
-        min_points: int = 500
-
-        def __post_init__(self) -> None:
-            for name in self.__dataclass_fields__:
-                if not getattr(self, name) > 0:
-                    raise ValueError(f"{name}: expected more than 0, got {getattr(self, name)}")
-
+    Params: ClassVar[type] = KissIcpParams
     kind = "kiss_icp"
 
-    def __init__(self, params: Params) -> None:
+    def __init__(self, params: KissIcpParams) -> None:
         self.params = params
         self._icp = _kiss_icp(params)
         self._rays = _Rays(params.stride)
@@ -74,13 +76,14 @@ class _Rays:
     def __init__(self, stride: int) -> None:
         self._stride = stride
         self._camera: tuple[bytes, tuple[int, ...]] | None = None
-        self._rays = np.zeros((0, 0, 3))
+        self._rays = np.zeros((0, 0, 3))  # (H / stride, W / stride, 3), z = 1
 
     def points(self, depth_mm: UInt16, K: Float64) -> Float64:
         """Return float64 (N, 3), metres in the depth camera."""
         camera = (K.tobytes(), depth_mm.shape)
         if camera != self._camera:
-            self._rays = _pixel_rays(K, depth_mm.shape, self._stride)
+            x, y = pixel_rays(K, depth_mm.shape, self._stride)
+            self._rays = np.stack(np.broadcast_arrays(x[None], y[:, None], 1.0), axis=-1)
             self._camera = camera
         depth_m = depth_mm[:: self._stride, :: self._stride] * 1e-3
         valid = depth_m > 0
@@ -88,13 +91,7 @@ class _Rays:
         return points
 
 
-def _pixel_rays(K: Float64, shape: tuple[int, ...], stride: int) -> Float64:
-    """Return (H / stride, W / stride, 3) rays with z = 1."""
-    v, u = np.mgrid[0 : shape[0] : stride, 0 : shape[1] : stride]
-    return np.stack([(u - K[0, 2]) / K[0, 0], (v - K[1, 2]) / K[1, 1], np.ones(u.shape)], axis=-1)
-
-
-def _kiss_icp(params: KissIcpOdometry.Params) -> Any:
+def _kiss_icp(params: KissIcpParams) -> Any:
     """Return a KISS-ICP pipeline with every setting given, so that no environment variable counts.
 
     One thread: the sums of a parallel reduction depend on how the work was divided.

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from sceneq_core.arrays import Array, Bool, Float64, Int32, Int64
+from sceneq_core.checks import need_at_least, need_between
 from sceneq_core.mapping.evidence import NO_SEGMENT, Evidence, agreement
-from sceneq_core.mapping.growing import with_rows
+from sceneq_core.mapping.ids import Ids
+from sceneq_core.mapping.rows import first_of_each, with_rows
 from sceneq_core.mapping.superpoints import SuperpointChange
-from sceneq_core.mapping.visibility import Sighting
+from sceneq_core.mapping.visibility import Visible
 
 NO_GROUP = -1
 
@@ -31,18 +33,12 @@ class AssociationParams:
     min_pixels: int = 10
 
     def __post_init__(self) -> None:
-        if self.views < 1:
-            raise ValueError(f"views: must be at least 1, got {self.views}")
-        if not 0.0 < self.min_agreement < 1.0:
-            raise ValueError(f"min_agreement: must be in 0..1, got {self.min_agreement}")
+        need_at_least(self, 1, "views", "min_common_views", "min_pixels")
+        need_between(self, 0, 1, "min_agreement")
         if not 0.0 <= self.hold < self.min_agreement:
-            raise ValueError(f"hold: must be in 0..min_agreement, got {self.hold}")
+            raise ValueError(f"hold: must be at least 0, below min_agreement, got {self.hold}")
         if not 0.5 <= self.merge_agreement < 1.0:
-            raise ValueError(f"merge_agreement: must be in 0.5..1, got {self.merge_agreement}")
-        if self.min_common_views < 1:
-            raise ValueError(f"min_common_views: must be at least 1, got {self.min_common_views}")
-        if self.min_pixels < 1:
-            raise ValueError(f"min_pixels: must be at least 1, got {self.min_pixels}")
+            raise ValueError(f"merge_agreement: must be in [0.5, 1), got {self.merge_agreement}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,13 +72,12 @@ class Association:
         self._of_superpoint = np.full(0, NO_GROUP, np.int32)
         self._superpoint_evidence = Evidence(params.views)
         self._group_evidence = Evidence(params.views)
-        self._count = 0
-        self._free: list[int] = []
+        self._groups = Ids()
         self._segments = 0
 
     def __len__(self) -> int:
         """Return one more than the largest group number given so far."""
-        return self._count
+        return len(self._groups)
 
     def of(self, superpoint_id: Int32) -> Int32:
         """Return the groups of superpoints, -1 = none."""
@@ -92,16 +87,16 @@ class Association:
         """Return the sorted superpoint ids of a group."""
         return np.flatnonzero(self._of_superpoint == group).astype(np.int32)
 
-    def update(self, change: SuperpointChange, sighting: Sighting, keyframe: int) -> GroupChange:
+    def update(self, change: SuperpointChange, visible: Visible, keyframe: int) -> GroupChange:
         """Add the evidence of one keyframe and regroup what it shows."""
-        inherited = self._inherit(change, sighting)
-        before = self.of(sighting.superpoint_id)
-        self._record_superpoints(sighting, keyframe)
-        dominance = self._record_groups(sighting, keyframe)
-        self._reassign(sighting, dominance)
-        founded = self._found(sighting, before)
+        inherited = self._inherit(change, visible)
+        before = self.of(visible.superpoint_id)
+        self._record_superpoints(visible, keyframe)
+        dominance = self._record_groups(visible, keyframe)
+        self._reassign(visible, dominance)
+        founded = self._found(visible, before)
         merged = self._merge(dominance)
-        after = self.of(sighting.superpoint_id)
+        after = self.of(visible.superpoint_id)
         emptied = np.array([small for small, _ in merged], np.int32)
         changed = np.unique(np.concatenate((inherited, before, after, emptied)))
         changed = changed[changed >= 0]
@@ -109,9 +104,9 @@ class Association:
         seen = np.sort(np.concatenate((dominance.group, [group for group, _ in founded])))
         return GroupChange(changed, seen.astype(np.int32), founded, merged)
 
-    def _inherit(self, change: SuperpointChange, sighting: Sighting) -> Int32:
+    def _inherit(self, change: SuperpointChange, visible: Visible) -> Int32:
         """Let new superpoints continue as what they came out of; return the groups concerned."""
-        largest = max(change.new_id.max(initial=-1), sighting.superpoint_id.max(initial=-1))
+        largest = max(change.new_id.max(initial=-1), visible.superpoint_id.max(initial=-1))
         self._of_superpoint = with_rows(self._of_superpoint, int(largest) + 1, NO_GROUP)
         self._superpoint_evidence.reserve(int(largest) + 1)
         heir = change.parent_id >= 0
@@ -123,18 +118,18 @@ class Association:
         self._superpoint_evidence.forget(change.gone_id)
         return concerned
 
-    def _record_superpoints(self, sighting: Sighting, keyframe: int) -> None:
-        segment = np.where(sighting.label > 0, self._segments + sighting.label, NO_SEGMENT)
-        self._superpoint_evidence.record(sighting.superpoint_id, keyframe, segment)
+    def _record_superpoints(self, visible: Visible, keyframe: int) -> None:
+        segment = np.where(visible.label > 0, self._segments + visible.label, NO_SEGMENT)
+        self._superpoint_evidence.record(visible.superpoint_id, keyframe, segment)
 
-    def _record_groups(self, sighting: Sighting, keyframe: int) -> _Dominance:
-        group = self.of(sighting.superpoint_id)
-        known = (group >= 0) & (sighting.label > 0)
-        labels = int(sighting.label.max(initial=0)) + 1
+    def _record_groups(self, visible: Visible, keyframe: int) -> _Dominance:
+        group = self.of(visible.superpoint_id)
+        known = (group >= 0) & (visible.label > 0)
+        labels = int(visible.label.max(initial=0)) + 1
         pair, row = np.unique(
-            group[known] * np.int64(labels) + sighting.label[known], return_inverse=True
+            group[known] * np.int64(labels) + visible.label[known], return_inverse=True
         )
-        pixels = np.bincount(row, sighting.pixels[known], len(pair))
+        pixels = np.bincount(row, visible.pixels[known], len(pair))
         enough = pixels >= self._params.min_pixels
         pair, pixels = pair[enough], pixels[enough]
         dominant = _largest_of_each(pair // labels, pixels)
@@ -146,10 +141,10 @@ class Association:
         owner[label[largest]] = group[largest]
         return _Dominance(group.astype(np.int32), label.astype(np.int32), owner)
 
-    def _reassign(self, sighting: Sighting, dominance: _Dominance) -> None:
+    def _reassign(self, visible: Visible, dominance: _Dominance) -> None:
         """Move each superpoint to the group of its segment when that agrees better over time."""
-        superpoint, own = sighting.superpoint_id, self.of(sighting.superpoint_id)
-        candidate = np.where(sighting.label > 0, dominance.owner[sighting.label], NO_GROUP)
+        superpoint, own = visible.superpoint_id, self.of(visible.superpoint_id)
+        candidate = np.where(visible.label > 0, dominance.owner[visible.label], NO_GROUP)
         own_agreement = self._agreement_with(superpoint, own)
         candidate_agreement = self._agreement_with(superpoint, candidate)
         needed = np.maximum(self._params.min_agreement, own_agreement + self._params.hold)
@@ -168,17 +163,18 @@ class Association:
         )
         return result
 
-    def _found(self, sighting: Sighting, before: Int32) -> tuple[tuple[int, int], ...]:
+    def _found(self, visible: Visible, before: Int32) -> tuple[tuple[int, int], ...]:
         """Let the superpoints of one segment that no group claims form a group of their own."""
-        alone = (self.of(sighting.superpoint_id) < 0) & (sighting.label > 0)
-        label, row = np.unique(sighting.label[alone], return_inverse=True)
-        pixels = np.bincount(row, sighting.pixels[alone], len(label))
+        alone = (self.of(visible.superpoint_id) < 0) & (visible.label > 0)
+        label, row = np.unique(visible.label[alone], return_inverse=True)
+        pixels = np.bincount(row, visible.pixels[alone], len(label))
         kept = np.flatnonzero(pixels >= self._params.min_pixels)
-        group = self._take(len(kept))
+        group = self._groups.take(len(kept))
+        self._group_evidence.reserve(len(self))
         of_label = np.full(len(label), NO_GROUP, np.int64)
         of_label[kept] = np.arange(len(kept))
         member = of_label[row] >= 0
-        superpoint, position = sighting.superpoint_id[alone][member], of_label[row][member]
+        superpoint, position = visible.superpoint_id[alone][member], of_label[row][member]
         self._of_superpoint[superpoint] = group[position]
         self._group_evidence.take_majority(
             group, self._superpoint_evidence, superpoint, position.astype(np.int32)
@@ -211,25 +207,17 @@ class Association:
         self._group_evidence.absorb(large, small)
         return small, large
 
-    def _take(self, count: int) -> Int32:
-        again = [self._free.pop() for _ in range(min(count, len(self._free)))]
-        fresh = range(self._count, self._count + count - len(again))
-        self._count += len(fresh)
-        self._group_evidence.reserve(self._count)
-        return np.array([*again, *fresh], np.int32)
-
     def _release(self, group: Int32) -> None:
         """Give the numbers of emptied groups free for later ones."""
-        used = np.bincount(self._of_superpoint[self._of_superpoint >= 0], minlength=self._count)
+        used = np.bincount(self._of_superpoint[self._of_superpoint >= 0], minlength=len(self))
         empty = group[used[group] == 0]
         self._group_evidence.forget(empty)
-        self._free = sorted({*self._free, *empty.tolist()}, reverse=True)
+        self._groups.give_back(empty)
 
 
 def _largest_of_each(key: Int64, size: Array) -> Int64:
     """Return, per distinct key, the row of the largest size (the first one among equals)."""
-    order = np.lexsort((-size, key))
-    return order[np.unique(key[order], return_index=True)[1]]
+    return first_of_each(np.lexsort((-size, key)), key)
 
 
 def _most_frequent(number: Int32) -> int:

@@ -12,7 +12,7 @@ _RECTANGLE_POINTS = 4096
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """Metres, world frame: see ``Instance`` for the shapes."""
+    """An axis-aligned and an oriented box, metres, world frame: the fields of ``Instance``."""
 
     centre_world: Float64
     aabb_world: Float64

@@ -3,7 +3,7 @@
 import numpy as np
 
 from sceneq_core.arrays import Float64, Int32
-from sceneq_core.mapping.growing import with_rows
+from sceneq_core.mapping.rows import with_rows
 from sceneq_core.mapping.voxel_index import VoxelIndex
 
 CELL_BITS = 3

@@ -3,7 +3,7 @@
 import numpy as np
 
 from sceneq_core.arrays import Bool, Float64, Int32, Int64
-from sceneq_core.mapping.growing import with_rows
+from sceneq_core.mapping.rows import with_rows
 
 NO_SEGMENT = -1
 
@@ -11,7 +11,8 @@ NO_SEGMENT = -1
 def agreement(same: Int64, common: Int64) -> Float64:
     """Return the expected share of common views with equal segments, 0.5 without any evidence.
 
-    The mean of a Beta(1/2, 1/2) posterior: one view alone says 0.75 or 0.25, never 1 or 0.
+    The paper's Agree(a, b), as the mean of a Beta(1/2, 1/2) posterior: one view alone says 0.75 or
+    0.25, never 1 or 0.
     """
     return (same + 0.5) / (common + 1.0)
 

@@ -6,19 +6,24 @@ import cv2
 import numpy as np
 
 from sceneq_core.arrays import Float64, Int32
+from sceneq_core.checks import need_at_least, need_positive, need_within
 from sceneq_core.frame import Frame
 from sceneq_core.mapping.cells import CELL_SIDE
-from sceneq_core.mapping.growing import marked
+from sceneq_core.mapping.rows import marked
 from sceneq_core.mapping.voxels import Voxels
+
+_NEAREST_M = 0.05
+"""Closer to the camera than any sensor measures; the projection is not worth having there."""
 
 
 @dataclass(frozen=True, slots=True)
 class FreeSpaceParams:
     """When a voxel counts as seen through, and when as gone.
 
-    The measured depth must lie behind the voxel by ``margin_m`` plus ``noise_per_m`` times the
-    squared range (depth noise of structured light and stereo grows so). A voxel is gone after
-    ``min_views`` keyframes that see through it with none in between that sees it.
+    The measured depth must lie behind the voxel by ``margin_m`` plus ``noise_per_m`` (1/m) times
+    the squared depth (the noise of structured light and stereo grows so). A voxel is gone after
+    ``min_views`` keyframes that see through it with none in between that sees it; voxels beyond
+    ``max_depth_m`` are not tested.
     """
 
     margin_m: float = 0.06
@@ -27,14 +32,9 @@ class FreeSpaceParams:
     max_depth_m: float = 5.0
 
     def __post_init__(self) -> None:
-        if self.margin_m <= 0.0:
-            raise ValueError(f"margin_m: must be positive, got {self.margin_m}")
-        if self.noise_per_m < 0.0:
-            raise ValueError(f"noise_per_m: must not be negative, got {self.noise_per_m}")
-        if not 1 <= self.min_views < 256:
-            raise ValueError(f"min_views: must be in 1..255, got {self.min_views}")
-        if self.max_depth_m <= 0.0:
-            raise ValueError(f"max_depth_m: must be positive, got {self.max_depth_m}")
+        need_positive(self, "margin_m", "max_depth_m")
+        need_at_least(self, 0, "noise_per_m")
+        need_within(self, 1, 255, "min_views")  # counted in uint8
 
 
 def clear_free_space(
@@ -74,19 +74,19 @@ def _cells_in_view(voxels: Voxels, frame: Frame, params: FreeSpaceParams) -> Int
 
 
 def _seen_through(points_world: Float64, frame: Frame, params: FreeSpaceParams) -> Int32:
-    """Return the rows whose pixel measures, with all its neighbours, a surface far behind."""
+    """Return the rows of points whose pixel measures, with its neighbours, a surface far behind."""
     # The nearest depth around a pixel: at silhouettes and holes (0) nothing is called free.
     nearest_m = cv2.erode(frame.depth_m, np.ones((3, 3), np.uint8))
     points_camera = _to_camera(points_world, frame)
     z = points_camera[:, 2]
-    row = np.flatnonzero((z > 0.05) & (z < params.max_depth_m))
-    z = z[row]
-    column_px = np.rint(points_camera[row, 0] / z * frame.K[0, 0] + frame.K[0, 2])
-    row_px = np.rint(points_camera[row, 1] / z * frame.K[1, 1] + frame.K[1, 2])
+    index = np.flatnonzero((z > _NEAREST_M) & (z < params.max_depth_m))
+    z = z[index]
+    u = np.rint(points_camera[index, 0] / z * frame.K[0, 0] + frame.K[0, 2])
+    v = np.rint(points_camera[index, 1] / z * frame.K[1, 1] + frame.K[1, 2])
     height, width = nearest_m.shape
-    inside = (column_px >= 0) & (column_px < width) & (row_px >= 0) & (row_px < height)
-    row, z = row[inside], z[inside]
-    measured = nearest_m[row_px[inside].astype(np.intp), column_px[inside].astype(np.intp)]
-    through = measured > z + params.margin_m + params.noise_per_m * z * z
-    seen: Int32 = row[through].astype(np.int32)
+    inside = (u >= 0) & (u < width) & (v >= 0) & (v < height)
+    index, z = index[inside], z[inside]
+    measured_m = nearest_m[v[inside].astype(np.intp), u[inside].astype(np.intp)]
+    through = measured_m > z + params.margin_m + params.noise_per_m * z * z
+    seen: Int32 = index[through].astype(np.int32)
     return seen

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sceneq_core.arrays import Float64
+from sceneq_core.checks import need_at_least, need_between
+from sceneq_core.vectors import unit_rows
 
 _BINS_PER_UNIT = 8
 _SIDE = 2 * _BINS_PER_UNIT + 1
@@ -25,10 +27,8 @@ class GravityParams:
     def __post_init__(self) -> None:
         if self.up_world is not None and not np.linalg.norm(self.up_world) > 0.0:
             raise ValueError(f"up_world: must not be zero, got {self.up_world}")
-        if not 0.0 < self.cone_deg < 45.0:
-            raise ValueError(f"cone_deg: must be in 0..45, got {self.cone_deg}")
-        if self.min_voxels < 1:
-            raise ValueError(f"min_voxels: must be at least 1, got {self.min_voxels}")
+        need_between(self, 0, 45, "cone_deg")
+        need_at_least(self, 1, "min_voxels")
 
 
 class Gravity:
@@ -58,18 +58,27 @@ class Gravity:
         if self._params.up_world is not None:
             return _unit(np.array(self._params.up_world, np.float64))
         camera_up = _unit(self._camera_up_sum)
+        normal = self._dominant_normal(camera_up)
+        if normal is None:
+            return camera_up
+        return normal if normal @ camera_up > 0 else -normal
+
+    def _dominant_normal(self, camera_up: Float64) -> Float64 | None:
+        """Return the mean normal (3,), up or down, of the parallel surfaces most likely level.
+
+        Those are large and lie across the camera's up axis. ``None`` = too little surface.
+        """
         used = np.flatnonzero(self._area)
-        axes, area = self._normal_sum[used], self._area[used]
-        length = np.sqrt((axes**2).sum(axis=1))
-        axes = np.divide(axes, length[:, None], where=length[:, None] > 0, out=np.zeros_like(axes))
-        within = np.abs(axes @ axes.T) > np.cos(np.deg2rad(self._params.cone_deg))
-        parallel_area = within @ area
+        axes, area = unit_rows(self._normal_sum[used]), self._area[used]
+        parallel = np.abs(axes @ axes.T) > np.cos(np.deg2rad(self._params.cone_deg))
+        parallel_area = parallel @ area
         best = int(np.argmax(parallel_area * (axes @ camera_up) ** 2)) if len(used) else -1
         if best < 0 or parallel_area[best] < self._params.min_voxels:
-            return camera_up
-        side = np.sign(axes[within[best]] @ axes[best]) * area[within[best]]
-        mean = _unit((axes[within[best]] * side[:, None]).sum(axis=0))
-        return mean if mean @ camera_up > 0 else -mean
+            return None
+        alike = axes[parallel[best]]
+        # Floor and ceiling are one direction: their normals are turned to the same side.
+        side = np.sign(alike @ axes[best]) * area[parallel[best]]
+        return _unit((alike * side[:, None]).sum(axis=0))
 
 
 def _unit(vector: Float64) -> Float64:

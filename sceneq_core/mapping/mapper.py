@@ -4,18 +4,20 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sceneq_core.arrays import Float64, Int32, UInt16
+from sceneq_core.arrays import Int32, UInt16
+from sceneq_core.checks import need_at_least, need_positive
 from sceneq_core.frame import Frame
 from sceneq_core.mapping.association import Association, AssociationParams
 from sceneq_core.mapping.delta import Instance, MapDelta
 from sceneq_core.mapping.free_space import FreeSpaceParams, clear_free_space
 from sceneq_core.mapping.gravity import Gravity, GravityParams
-from sceneq_core.mapping.growing import distinct
+from sceneq_core.mapping.partition import SuperpointParams
 from sceneq_core.mapping.published import Published
 from sceneq_core.mapping.registry import Members, Registry, RegistryParams
-from sceneq_core.mapping.superpoints import SuperpointParams, Superpoints
-from sceneq_core.mapping.surface import Surface, SurfaceParams, measure_surface
-from sceneq_core.mapping.visibility import Sighting, sight
+from sceneq_core.mapping.rows import distinct
+from sceneq_core.mapping.superpoints import Superpoints
+from sceneq_core.mapping.surface import SurfaceParams, SurfacePoints, measure_surface
+from sceneq_core.mapping.visibility import Visible, visible_superpoints
 from sceneq_core.mapping.voxels import Touched, Voxels
 
 
@@ -39,18 +41,18 @@ class MapperParams:
     gravity: GravityParams = field(default_factory=GravityParams)
 
     def __post_init__(self) -> None:
-        if self.voxel_size_m <= 0.0:
-            raise ValueError(f"voxel_size_m: must be positive, got {self.voxel_size_m}")
-        if self.min_superpoint_pixels < 1:
-            raise ValueError(
-                f"min_superpoint_pixels: must be at least 1, got {self.min_superpoint_pixels}"
-            )
-        if self.publish_step_m < 0.0:
-            raise ValueError(f"publish_step_m: must not be negative, got {self.publish_step_m}")
+        need_positive(self, "voxel_size_m")
+        need_at_least(self, 1, "min_superpoint_pixels")
+        need_at_least(self, 0, "publish_step_m")
 
 
 class Mapper:
-    """Grows a map from posed frames with 2D segments. Same frames, same order: same bits."""
+    """Grows a map from posed frames with 2D segments. Same frames, same order: same bits.
+
+    The offline method in four steps a keyframe: voxels, superpoints, evidence of the 2D segments,
+    instances. Every step touches only what the keyframe touched
+    (docs/adr/0006-the-first-map.md says what that changes against a finished scan).
+    """
 
     def __init__(self, params: MapperParams) -> None:
         self._params = params
@@ -73,24 +75,26 @@ class Mapper:
                 more than ``COORD_LIMIT`` voxels from the origin. The map is unchanged then.
         """
         _check(frame, label_image)
-        surface = measure_surface(frame, self._params.surface)
-        known = len(self._voxels)
-        touched = self._voxels.integrate(surface)
-        cleared = clear_free_space(self._voxels, frame, touched.voxel_id, self._params.free_space)
-        self._gravity.add(self._new_normals(known), frame.T_world_camera)
+        params, voxels, keyframe = self._params, self._voxels, self._keyframes
+        # Voxels: average what is seen, empty what is seen through.
+        surface = measure_surface(frame, params.surface)
+        touched = voxels.integrate(surface)
+        cleared = clear_free_space(voxels, frame, touched.voxel_id, params.free_space)
+        self._gravity.add(voxels.normals_world(touched.new_id), frame.T_world_camera)
         self._up_world = self._gravity.up_world()
-        renewed, change = self._superpoints.update(
-            self._voxels, touched.voxel_id, cleared, self._keyframes
-        )
-        changed = self._published.renew(
-            self._voxels, self._superpoints, _union(renewed, touched.voxel_id, len(self._voxels))
-        )
-        sighting = self._sight(surface, touched, label_image)
-        groups = self._association.update(change, sighting, self._keyframes)
+        # Superpoints: partition anew only where the surface changed.
+        renewed, change = self._superpoints.update(voxels, touched.voxel_id, cleared, keyframe)
+        concerned = distinct(np.concatenate((renewed, touched.voxel_id)), len(voxels))
+        published = self._published.renew(voxels, self._superpoints, concerned)
+        retracted = self._published.retract(cleared)
+        # Evidence: which 2D segment dominates each visible superpoint; who agrees with whom.
+        visible = self._visible(surface, touched, label_image)
+        groups = self._association.update(change, visible, keyframe)
+        # Instances: groups seen well enough, under ids that stay.
         instances = self._registry.update(groups, self._members, frame.stamp_ns, self._up_world)
         self._keyframes += 1
         self._last_seq, self._last_stamp_ns = frame.seq, frame.stamp_ns
-        return self._delta(False, changed, self._published.retract(cleared), instances)
+        return self._delta(False, published, retracted, instances)
 
     def snapshot(self) -> MapDelta:
         """Return the whole map: what all deltas so far add up to, without what was removed."""
@@ -106,13 +110,10 @@ class Mapper:
         """Return the size of the map for a health report."""
         return {"voxels": self._published.count, "instances": len(self._registry.instances)}
 
-    def _new_normals(self, known: int) -> Float64:
-        return self._voxels.normals_world(np.arange(known, len(self._voxels), dtype=np.int32))
-
-    def _sight(self, surface: Surface, touched: Touched, label_image: UInt16) -> Sighting:
+    def _visible(self, surface: SurfacePoints, touched: Touched, label_image: UInt16) -> Visible:
         superpoint = self._superpoints.of(touched.voxel_id)[touched.of_point]
         label = label_image[surface.row, surface.column]
-        return sight(superpoint, label, self._params.min_superpoint_pixels)
+        return visible_superpoints(superpoint, label, self._params.min_superpoint_pixels)
 
     def _members(self, group: int) -> Members:
         superpoint_id = self._association.members(group)
@@ -140,10 +141,6 @@ class Mapper:
             removed_voxel_id=removed_voxel_id,
             instances=instances,
         )
-
-
-def _union(first_id: Int32, second_id: Int32, count: int) -> Int32:
-    return distinct(np.concatenate((first_id, second_id)), count)
 
 
 def _check(frame: Frame, label_image: UInt16) -> None:

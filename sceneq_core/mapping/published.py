@@ -3,7 +3,7 @@
 import numpy as np
 
 from sceneq_core.arrays import Bool, Float32, Int32, UInt8
-from sceneq_core.mapping.growing import with_rows
+from sceneq_core.mapping.rows import with_rows
 from sceneq_core.mapping.superpoints import Superpoints
 from sceneq_core.mapping.voxels import Voxels
 

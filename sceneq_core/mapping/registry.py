@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from sceneq_core.arrays import Float32, Float64, Int32
+from sceneq_core.checks import need_at_least
 from sceneq_core.mapping.association import GroupChange
 from sceneq_core.mapping.boxes import box_around
 from sceneq_core.mapping.delta import Instance
@@ -20,10 +21,7 @@ class RegistryParams:
     min_voxels: int = 30
 
     def __post_init__(self) -> None:
-        if self.min_views < 1:
-            raise ValueError(f"min_views: must be at least 1, got {self.min_views}")
-        if self.min_voxels < 1:
-            raise ValueError(f"min_voxels: must be at least 1, got {self.min_voxels}")
+        need_at_least(self, 1, "min_views", "min_voxels")
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +34,8 @@ class Members:
 
 @dataclass(slots=True)
 class _Life:
+    """What is known of a group: ``instance_id`` is 0 until it has been an instance."""
+
     views: int
     first_seen_ns: int
     last_seen_ns: int
@@ -104,9 +104,7 @@ class Registry:
         life = self._lives.get(group)
         if life is None:
             return {}
-        size = len(members.points_world)
-        active = life.views >= self._params.min_views and size >= self._params.min_voxels
-        active |= life.active and 2 * size >= self._params.min_voxels
+        active = self._qualifies(life, len(members.points_world))
         ended = life.active and not active
         life.active = active
         if not len(members.superpoint_id):
@@ -115,6 +113,12 @@ class Registry:
             last = self.instances[life.instance_id]
             return {life.instance_id: replace(last, state="removed")}
         return self._describe(life, members, up_world) if active else {}
+
+    def _qualifies(self, life: _Life, voxels: int) -> bool:
+        """Tell whether a group is an instance; it is harder to become one than to stay one."""
+        if life.active:
+            return 2 * voxels >= self._params.min_voxels
+        return life.views >= self._params.min_views and voxels >= self._params.min_voxels
 
     def _describe(self, life: _Life, members: Members, up_world: Float64) -> dict[int, Instance]:
         if not life.instance_id:

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from sceneq_core.arrays import Array, Bool, Float32, Int32, UInt8
+from sceneq_core.arrays import Bool, Float32, Int32, UInt8
 from sceneq_core.mapping.delta import Instance, MapDelta
+from sceneq_core.mapping.rows import with_rows
 from sceneq_core.mapping.voxel_index import COORD_LIMIT
 
 MAX_VOXELS = 1 << 26
@@ -68,13 +69,9 @@ class MapReplica:
         """Whether each voxel id is still part of the map, bool (N,)."""
         return self._alive[: self._count]
 
-    def instance_of_superpoint(self) -> Int32:
-        """Return the instance of each superpoint id, int32 (S,), 0 = none."""
-        return self._instance_of_superpoint.copy()
-
     def instance_of_voxel(self) -> Int32:
         """Return the instance of each voxel id, int32 (N,), 0 = none or dead."""
-        return lookup_instance(self._instance_of_superpoint, self.superpoint_id) * self.alive
+        return _lookup(self._instance_of_superpoint, self.superpoint_id) * self.alive
 
     def cloud(self) -> tuple[Float32, UInt8, Int32]:
         """Return points_world (M, 3), rgb (M, 3), instance_id (M,) of the living voxels.
@@ -113,14 +110,11 @@ class MapReplica:
 
     def _reserve(self, count: int) -> None:
         self._count = max(self._count, count)
-        if count <= len(self._alive):
-            return
-        capacity = max(2 * len(self._alive), count)
-        self._voxel_coord = _grown(self._voxel_coord, capacity, 0)
-        self._points_world = _grown(self._points_world, capacity, 0)
-        self._rgb = _grown(self._rgb, capacity, 0)
-        self._superpoint_id = _grown(self._superpoint_id, capacity, NO_SUPERPOINT)
-        self._alive = _grown(self._alive, capacity, False)
+        self._voxel_coord = with_rows(self._voxel_coord, count, 0)
+        self._points_world = with_rows(self._points_world, count, 0)
+        self._rgb = with_rows(self._rgb, count, 0)
+        self._superpoint_id = with_rows(self._superpoint_id, count, NO_SUPERPOINT)
+        self._alive = with_rows(self._alive, count, False)
 
     def _write_instance(self, instance: Instance) -> None:
         owned = self._instance_of_superpoint
@@ -129,15 +123,12 @@ class MapReplica:
         if instance.state != "active":
             return
         self.instances[instance.instance_id] = instance
-        if len(instance.superpoint_id):
-            needed = int(instance.superpoint_id.max()) + 1
-            if needed > len(owned):
-                owned = _grown(owned, max(2 * len(owned), needed), 0)
-            owned[instance.superpoint_id] = instance.instance_id
-            self._instance_of_superpoint = owned
+        owned = with_rows(owned, int(instance.superpoint_id.max(initial=-1)) + 1, 0)
+        owned[instance.superpoint_id] = instance.instance_id
+        self._instance_of_superpoint = owned
 
 
-def lookup_instance(instance_of_superpoint: Int32, superpoint_id: Int32) -> Int32:
+def _lookup(instance_of_superpoint: Int32, superpoint_id: Int32) -> Int32:
     """Return the instance of each superpoint id, int32 of the same shape, 0 = none.
 
     Ids of -1 and ids that no instance ever named have no instance.
@@ -147,13 +138,6 @@ def lookup_instance(instance_of_superpoint: Int32, superpoint_id: Int32) -> Int3
     known = (superpoint_id >= 0) & (superpoint_id < last)
     found: Int32 = table[np.where(known, superpoint_id, last)]
     return found
-
-
-def _grown(array: Array, capacity: int, fill: int | bool) -> Array:
-    """Return a copy of ``array`` with ``capacity`` rows, the new ones filled with ``fill``."""
-    larger = np.full((capacity, *array.shape[1:]), fill, array.dtype)
-    larger[: len(array)] = array
-    return larger
 
 
 _COLUMNS = ("voxel_id", "voxel_coord", "points_world", "rgb", "superpoint_id")

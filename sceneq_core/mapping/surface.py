@@ -6,6 +6,8 @@ import cv2
 import numpy as np
 
 from sceneq_core.arrays import Bool, Float32, Float64, Int32, UInt8
+from sceneq_core.checks import need_at_least, need_between, need_positive
+from sceneq_core.depth import inverse_depth, pixel_rays, smoothed_depth
 from sceneq_core.frame import Frame
 
 
@@ -29,22 +31,16 @@ class SurfaceParams:
     min_cosine: float = 0.12
 
     def __post_init__(self) -> None:
-        if self.stride_px < 1:
-            raise ValueError(f"stride_px: must be at least 1, got {self.stride_px}")
-        if not 0.0 < self.min_depth_m < self.max_depth_m:
-            raise ValueError(f"max_depth_m: must exceed min_depth_m > 0, got {self.max_depth_m}")
-        if self.normal_radius_px < 1:
-            raise ValueError(f"normal_radius_px: must be at least 1, got {self.normal_radius_px}")
-        if self.max_jump_per_m <= 0.0:
-            raise ValueError(f"max_jump_per_m: must be positive, got {self.max_jump_per_m}")
-        if self.max_smooth_per_m < 0.0:
-            raise ValueError(f"max_smooth_per_m: must not be negative, got {self.max_smooth_per_m}")
-        if not 0.0 < self.min_cosine < 1.0:
-            raise ValueError(f"min_cosine: must be between 0 and 1, got {self.min_cosine}")
+        need_at_least(self, 1, "stride_px", "normal_radius_px")
+        need_positive(self, "min_depth_m", "max_jump_per_m")
+        need_at_least(self, 0, "max_smooth_per_m")
+        need_between(self, 0, 1, "min_cosine")
+        if not self.max_depth_m > self.min_depth_m:
+            raise ValueError(f"max_depth_m: must exceed min_depth_m, got {self.max_depth_m}")
 
 
 @dataclass(frozen=True, slots=True)
-class Surface:
+class SurfacePoints:
     """N parallel rows: ``points_world`` and ``normals_world`` float64 (N, 3), ``rgb`` uint8 (N, 3).
 
     ``weight`` float64 (N,) is the relative trust in a point; ``row`` and ``column`` int32 (N,) are
@@ -59,21 +55,22 @@ class Surface:
     column: Int32
 
 
-def measure_surface(frame: Frame, params: SurfaceParams) -> Surface:
+def measure_surface(frame: Frame, params: SurfaceParams) -> SurfacePoints:
     """Back-project ``frame`` and leave out flying pixels, grazing views and far measurements."""
     stride = params.stride_px
     depth_m = np.ascontiguousarray(frame.depth_m[::stride, ::stride])
-    x, y = _ray_grid(frame, stride)
+    x, y = pixel_rays(frame.K, frame.depth_m.shape, stride)
     valid = (depth_m > params.min_depth_m) & (depth_m < params.max_depth_m)
-    filled, mean = _smoothed_inverse(depth_m, valid, params.normal_radius_px)
+    inverse, mean = inverse_depth(depth_m, valid, params.normal_radius_px)
+    filled = np.where(valid, inverse, mean)
     step = (stride / frame.K[0, 0], stride / frame.K[1, 1])
     normals, cosine = _normals(filled, mean, x, y, step, params.normal_radius_px)
     keep = valid & (cosine > params.min_cosine) & ~_mixed(depth_m, params.max_jump_per_m)
     row, column = np.nonzero(keep)
-    z = _smoothed(depth_m[keep], mean[keep], params.max_smooth_per_m)
+    z = smoothed_depth(depth_m[keep], mean[keep], params.max_smooth_per_m)
     points_camera = np.stack((x[column] * z, y[row] * z, z), axis=1)
     rotation, translation = frame.T_world_camera[:3, :3], frame.T_world_camera[:3, 3]
-    return Surface(
+    return SurfacePoints(
         points_world=points_camera @ rotation.T + translation,
         normals_world=normals[keep].astype(np.float64) @ rotation.T,
         rgb=frame.rgb[row * stride, column * stride],
@@ -83,37 +80,12 @@ def measure_surface(frame: Frame, params: SurfaceParams) -> Surface:
     )
 
 
-def _ray_grid(frame: Frame, stride: int) -> tuple[Float64, Float64]:
-    """Return x / z of every kept column and y / z of every kept row."""
-    height, width = frame.depth_m.shape
-    K = frame.K
-    x = (np.arange(0, width, stride) - K[0, 2]) / K[0, 0]
-    y = (np.arange(0, height, stride) - K[1, 2]) / K[1, 1]
-    return x, y
-
-
 def _mixed(depth_m: Float32, max_jump_per_m: float) -> Bool:
     """Tell which pixels lie on a depth edge, where sensors interpolate between two surfaces."""
     kernel = np.ones((3, 3), np.uint8)
     nearest = cv2.erode(np.where(depth_m > 0, depth_m, np.float32(np.inf)), kernel)
     farthest = cv2.dilate(depth_m, kernel)
     return np.asarray(farthest - nearest > max_jump_per_m * depth_m)
-
-
-def _smoothed_inverse(depth_m: Float32, valid: Bool, radius: int) -> tuple[Float32, Float32]:
-    """Return the inverse depth with holes filled, and its mean over the window (1/m)."""
-    inverse = np.where(valid, 1.0 / np.maximum(depth_m, 1e-3), 0.0).astype(np.float32)
-    size = (2 * radius + 1, 2 * radius + 1)
-    share = np.maximum(cv2.blur(valid.astype(np.float32), size), 1e-6)
-    mean = (cv2.blur(inverse, size) / share).astype(np.float32)
-    return np.where(valid, inverse, mean), mean
-
-
-def _smoothed(depth_m: Float32, mean_inverse: Float32, max_smooth_per_m: float) -> Float64:
-    """Return the depth of the window where it is one surface, else the measured depth."""
-    z = depth_m.astype(np.float64)
-    mean_m = 1.0 / mean_inverse.astype(np.float64)
-    return np.where(np.abs(mean_m - z) < max_smooth_per_m * z, mean_m, z)
 
 
 def _normals(

@@ -6,17 +6,23 @@ import numpy as np
 
 from sceneq_core.arrays import Array, Float32, Float64, Int32, UInt8
 from sceneq_core.mapping.cells import Cells
-from sceneq_core.mapping.growing import with_rows
-from sceneq_core.mapping.surface import Surface
+from sceneq_core.mapping.rows import with_rows
+from sceneq_core.mapping.surface import SurfacePoints
 from sceneq_core.mapping.voxel_index import VoxelIndex, pack_coord, unpack_coord
+from sceneq_core.vectors import unit_rows
 
 
 @dataclass(frozen=True, slots=True)
 class Touched:
-    """The voxels one surface fell into: ``voxel_id`` (M,) distinct, ``of_point`` row per point."""
+    """The voxels one surface fell into.
+
+    ``voxel_id`` int32 (M,) distinct; ``of_point`` int32 (N,) the row in it of every point;
+    ``new_id`` int32 those of ``voxel_id`` that had never been touched before.
+    """
 
     voxel_id: Int32
     of_point: Int32
+    new_id: Int32
 
 
 class Voxels:
@@ -40,11 +46,12 @@ class Voxels:
         """Return the number of ids given so far, empty voxels included."""
         return len(self._index)
 
-    def integrate(self, surface: Surface) -> Touched:
+    def integrate(self, surface: SurfacePoints) -> Touched:
         """Add every point of ``surface`` to its voxel."""
         coord = np.floor(surface.points_world / self.voxel_size_m).astype(np.int32)
         key, inverse = np.unique(pack_coord(coord), return_inverse=True)
         of_point = inverse.astype(np.int32)
+        known = len(self)
         voxel_id = self._enter(unpack_coord(key))
         weight, count = surface.weight, len(key)
         self._weight[voxel_id] += np.bincount(of_point, weight, count)
@@ -52,7 +59,7 @@ class Voxels:
         self._normal_sum[voxel_id] += _sums(surface.normals_world, weight, of_point, count)
         self._colour_sum[voxel_id] += _sums(surface.rgb, weight, of_point, count)
         self.misses[voxel_id] = 0
-        return Touched(voxel_id, of_point)
+        return Touched(voxel_id, of_point, voxel_id[voxel_id >= known])
 
     def clear(self, voxel_id: Int32) -> None:
         """Forget what these voxels hold: the space is free."""
@@ -79,10 +86,7 @@ class Voxels:
 
     def normals_world(self, voxel_id: Int32) -> Float64:
         """Return unit normals float64 (M, 3); zero where views from both sides cancel out."""
-        total = self._normal_sum[voxel_id]
-        length = np.sqrt((total**2).sum(axis=1, keepdims=True))
-        unit: Float64 = np.divide(total, length, out=np.zeros_like(total), where=length > 0)
-        return unit
+        return unit_rows(self._normal_sum[voxel_id])
 
     def rgb(self, voxel_id: Int32) -> UInt8:
         """Return mean colours uint8 (M, 3)."""

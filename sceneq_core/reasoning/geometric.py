@@ -7,18 +7,11 @@ from typing import ClassVar
 import numpy as np
 
 from sceneq_core.arrays import Float64
+from sceneq_core.checks import need_between
+from sceneq_core.reasoning import explanation
 from sceneq_core.reasoning.reasoner import Candidate, Constraint, Problem, Verdict
-from sceneq_core.reasoning.relations import (
-    RELATIONS,
-    VIEWER_RELATIVE,
-    Pair,
-    RelationParams,
-)
-from sceneq_core.reasoning.superlatives import (
-    COMPARED_TO_ANCHOR,
-    SUPERLATIVES,
-    probability_of_first,
-)
+from sceneq_core.reasoning.relations import RELATIONS, VIEWER_RELATIVE, Pair, RelationParams
+from sceneq_core.reasoning.superlatives import SUPERLATIVES, probability_of_first
 from sceneq_core.reasoning.upright import point_box, upright_axes, upright_box
 
 
@@ -30,16 +23,19 @@ class GeometricParams:
     min_score: float = 0.05
 
     def __post_init__(self) -> None:
-        if not 0 < self.min_score < 1:
-            raise ValueError(f"min_score: {self.min_score} is not between 0 and 1")
+        need_between(self, 0, 1, "min_score")
 
 
 @dataclass(frozen=True, slots=True)
 class _Holding:
-    """How well one constraint holds for every target (N,), and with which anchor (index or -1)."""
+    """How well ``constraint`` holds for every target: ``score`` (N,), ``anchor`` the best for each.
 
+    There is no anchor when it is the viewer, or when the targets are compared with each other.
+    """
+
+    constraint: Constraint
     score: Float64
-    anchor: tuple[int, ...]
+    anchor: tuple[Candidate | None, ...]
 
 
 class GeometricReasoner:
@@ -62,7 +58,7 @@ class GeometricReasoner:
         """
         targets = [c for c in problem.candidates if c.role == "target"]
         if not targets:
-            return Verdict((), f"nothing in the map may be '{problem.target}'", 0)
+            return Verdict((), explanation.no_candidates(problem), 0)
         if not problem.constraints:
             return _undecided(targets)
         relational, comparing = _sorted_out(problem.constraints)
@@ -74,12 +70,11 @@ class GeometricReasoner:
             compared = self._compare(problem, constraint, targets, score)
             score = compared.score
             holdings.append(compared)
-        return self._verdict(problem, (*relational, *comparing), targets, score, holdings)
+        return self._verdict(problem, targets, score, holdings)
 
     def _verdict(
         self,
         problem: Problem,
-        constraints: tuple[Constraint, ...],
         targets: list[Candidate],
         score: Float64,
         holdings: list[_Holding],
@@ -87,23 +82,25 @@ class GeometricReasoner:
         """Turn scores into probabilities; ``min_score`` is the weight of "none of them"."""
         keep = [i for i in np.argsort(-score, kind="stable") if score[i] >= self.params.min_score]
         if not keep:
-            return Verdict((), _none_reason(problem), 0)
+            return Verdict((), explanation.none_holds(problem), 0)
         p = score / (score[keep].sum() + self.params.min_score)
         ranking = tuple((targets[i].instance_id, float(p[i])) for i in keep)
-        return Verdict(ranking, _reason(problem, constraints, targets, keep[0], holdings), 0)
+        best = keep[0]
+        holding = [(of.constraint, of.anchor[best]) for of in holdings]
+        return Verdict(ranking, explanation.why(problem, targets[best], holding), 0)
 
     def _relate(
         self, problem: Problem, constraint: Constraint, targets: list[Candidate]
     ) -> _Holding:
         """Score a relation with the anchor that explains each target best."""
         if not constraint.anchor and constraint.relation in VIEWER_RELATIVE:
-            return _Holding(np.ones(len(targets)), (-1,) * len(targets))
+            return _Holding(constraint, np.ones(len(targets)), (None,) * len(targets))
         anchors = _anchors(problem, constraint.anchor)
         weight = _relative([a.p for a in anchors]) if anchors else np.ones(1)
         pairs = np.array([self._row(problem, constraint, t, anchors) for t in targets]) * weight
         best = pairs.argmax(axis=1)
-        chosen = tuple(int(j) if anchors else -1 for j in best)
-        return _Holding(pairs[np.arange(len(targets)), best], chosen)
+        chosen = tuple(anchors[j] if anchors else None for j in best)
+        return _Holding(constraint, pairs[np.arange(len(targets)), best], chosen)
 
     def _row(
         self,
@@ -136,15 +133,15 @@ class GeometricReasoner:
         reference: Sequence[Candidate | None] = anchors or [None]
         first = [_first(problem, constraint.relation, targets, weight, a) for a in reference]
         parts = np.array(first) * _shares([a.p for a in anchors])[:, None]
-        chosen = tuple(int(j) if anchors else -1 for j in parts.argmax(axis=0))
-        return _Holding(parts.sum(axis=0), chosen)
+        chosen = tuple(reference[j] for j in parts.argmax(axis=0))
+        return _Holding(constraint, parts.sum(axis=0), chosen)
 
 
 def _undecided(targets: list[Candidate]) -> Verdict:
     """Without a relation or a size there is nothing to add to what the encoder said."""
     ranked = sorted(targets, key=lambda target: -target.p)
-    reason = "which one? the question names no relation or size to decide by"
-    return Verdict(tuple((target.instance_id, target.p) for target in ranked), reason, 0)
+    ranking = tuple((target.instance_id, target.p) for target in ranked)
+    return Verdict(ranking, explanation.nothing_to_decide_by(), 0)
 
 
 def _sorted_out(
@@ -225,46 +222,3 @@ def _first(
     itself = [anchor is not None and t.instance_id == anchor.instance_id for t in targets]
     real = np.where(itself, 0.0, weight)
     return probability_of_first(real, np.array(measures), superlative.scale)
-
-
-def _none_reason(problem: Problem) -> str:
-    wanted = " and ".join(_said(c, None) for c in problem.constraints)
-    return f"none of the candidates for '{problem.target or 'anything'}' is {wanted}"
-
-
-def _reason(
-    problem: Problem,
-    constraints: tuple[Constraint, ...],
-    targets: list[Candidate],
-    best: int,
-    holdings: list[_Holding],
-) -> str:
-    """Name the winner and, for each constraint, the anchor that made it win."""
-    parts = []
-    for constraint, holding in zip(constraints, holdings, strict=True):
-        index = holding.anchor[best]
-        anchors = _anchors(problem, constraint.anchor)
-        parts.append(_said(constraint, anchors[index] if index >= 0 else None))
-    name = problem.target or targets[best].label
-    return f"{_named(targets[best], name)} is {' and '.join(parts)}"
-
-
-def _named(candidate: Candidate, words: str) -> str:
-    return f"instance {candidate.instance_id} ('{words}')"
-
-
-def _said(constraint: Constraint, anchor: Candidate | None) -> str:
-    words = constraint.relation.replace("_", " ")
-    if constraint.relation in SUPERLATIVES:
-        words = f"the {words}"
-    if constraint.relation in COMPARED_TO_ANCHOR:
-        words += " to" if constraint.relation == "nearest" else " from"
-    if anchor is not None:
-        return f"{words} {_named(anchor, constraint.anchor)}"
-    if constraint.anchor:
-        return f"{words} '{constraint.anchor}'"
-    return f"{words} the viewer" if _needs_anchor(constraint.relation) else words
-
-
-def _needs_anchor(relation: str) -> bool:
-    return relation in RELATIONS or relation in COMPARED_TO_ANCHOR

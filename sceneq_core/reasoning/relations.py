@@ -10,6 +10,7 @@ from math import exp
 import numpy as np
 
 from sceneq_core.arrays import Float64
+from sceneq_core.checks import need_positive
 from sceneq_core.reasoning.upright import UprightBox, distance, overlap, separation
 
 LEVEL = slice(0, 2)
@@ -35,9 +36,7 @@ class RelationParams:
     flat_m: float = 0.3
 
     def __post_init__(self) -> None:
-        for name in ("contact_m", "reach_m", "near_m", "height_m", "thinnest_m", "flat_m"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name}: {getattr(self, name)} is not positive")
+        need_positive(self, *self.__dataclass_fields__)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sceneq_core.arrays import Float64
+from sceneq_core.checks import need_within
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,9 +46,7 @@ class GateParams:
     clear_margin: float = 0.20
 
     def __post_init__(self) -> None:
-        for name in ("min_p", "min_margin", "max_entropy_norm", "clear_margin"):
-            if not 0.0 <= getattr(self, name) <= 1.0:
-                raise ValueError(f"{name}: {getattr(self, name)} is not in [0, 1]")
+        need_within(self, 0, 1, "min_p", "min_margin", "max_entropy_norm", "clear_margin")
 
 
 class Gate:

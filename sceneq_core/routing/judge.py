@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+from sceneq_core.checks import need_at_least, need_within
 from sceneq_core.routing.answer import AMBIGUOUS, FOUND, NOT_FOUND
 from sceneq_core.routing.gate import Confidence, Gate, GateParams
 from sceneq_core.routing.likelihood import Fit
@@ -21,10 +22,8 @@ class JudgeParams:
     absent_lift: float = 1.0
 
     def __post_init__(self) -> None:
-        if not 0 <= self.min_claim <= 1:
-            raise ValueError(f"min_claim: {self.min_claim} is not in [0, 1]")
-        if not self.absent_lift >= 0:
-            raise ValueError(f"absent_lift: {self.absent_lift} is negative")
+        need_within(self, 0, 1, "min_claim")
+        need_at_least(self, 0, "absent_lift")
 
 
 class Judge:

@@ -76,12 +76,8 @@ class Labeller:
         """Return the cosines float32 (N, C) of ``descriptors`` (N, D) with every label."""
         return descriptors @ self.text_vectors.T
 
-    def best(self, descriptor: Float32, k: int = 1) -> tuple[Label, ...]:
-        """Return the ``k`` most probable labels of one ``descriptor`` (D,), best first."""
-        return self.best_of_scores(self.scores(descriptor[None])[0], k)
-
     def best_of_scores(self, scores: Float32, k: int = 1) -> tuple[Label, ...]:
-        """Return the ``k`` most probable labels given the cosines (C,) with every label."""
+        """Return the ``k`` most probable labels, best first, of cosines (C,) with every label."""
         p = self.distribution(scores)
         order = np.argsort(-p, kind="stable")[:k]
         names = self.label_set.labels

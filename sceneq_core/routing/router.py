@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from sceneq_core.checks import need_within
 from sceneq_core.encoding.encoder import Encoder
 from sceneq_core.reasoning.reasoner import Problem, Verdict
 from sceneq_core.routing.answer import (
@@ -42,10 +43,8 @@ class RouterParams:
     synonym_cosine: float = 0.8
 
     def __post_init__(self) -> None:
-        if not 1 <= self.top_k <= MAX_MATCHES:
-            raise ValueError(f"top_k: {self.top_k} is not in [1, {MAX_MATCHES}]")
-        if not -1 <= self.synonym_cosine <= 1:
-            raise ValueError(f"synonym_cosine: {self.synonym_cosine} is not in [-1, 1]")
+        need_within(self, 1, MAX_MATCHES, "top_k")
+        need_within(self, -1, 1, "synonym_cosine")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,10 +62,10 @@ class Routed:
 
 
 class Router:
-    """Both directions: text to instance, instance to label.
+    """Both directions: text to instance (``answer``), instance to label (``label``).
 
-    The fast path: s_j = cos(image, text_j), p = softmax(s / T), a gate on p_max, margin and
-    entropy. What does not pass goes to a reasoner as the top K candidates.
+    The fast path asks the encoder alone; docs/adr/0004-bold-or-ambiguous.md says why its gate
+    leaves so much to a reasoner.
     """
 
     def __init__(self, params: RouterParams, encoder: Encoder, labeller: Labeller) -> None:
@@ -90,21 +89,27 @@ class Router:
         """Answer from the descriptors, and say whether a reasoner should look at it."""
         if not len(snapshot):
             return Routed(_empty(snapshot, question), enough=True, presence=0.0, problem=None)
-        fits = {words: self._fit(snapshot, question, words) for words in question.wanted}
-        target = question.phrase.target
-        confidence = Confidence.of(fits[target].p, self._temperature)
+        # s = cos(instance, words) and p = softmax(s / T), for the target and every anchor.
+        fits = {
+            words: self._likelihood.fit(snapshot, wanted)
+            for words, wanted in question.wanted.items()
+        }
+        target = fits[question.phrase.target]
+        # The gate: p_max, margin and normalised entropy of the target's p.
+        confidence = Confidence.of(target.p, self._temperature)
         status, reason = self._decide(question, fits, confidence)
         answer = Answer(
             status=status,
             question=question.text,
-            matches=_matches(snapshot, fits[target]),
+            matches=_matches(snapshot, target),
             confidence=confidence,
-            presence=fits[target].presence,
+            presence=target.presence,
             route=FAST,
             reason=reason,
             vlm_calls=0,
             revision=snapshot.revision,
         )
+        # What does not pass goes to a reasoner, as the top K candidates.
         return Routed(
             answer=answer,
             enough=status != AMBIGUOUS,
@@ -153,9 +158,6 @@ class Router:
             reason="the gate accepts the label" if accepted else hesitation(confidence),
             revision=snapshot.revision,
         )
-
-    def _fit(self, snapshot: SceneSnapshot, question: Question, words: str) -> Fit:
-        return self._likelihood.fit(snapshot, question.wanted[words])
 
     def _decide(
         self, question: Question, fits: Mapping[str, Fit], confidence: Confidence

@@ -89,6 +89,9 @@ class Scene:
 
     An instance enters the snapshot when it has geometry, a descriptor and at least one view of
     the same map epoch: no answer without evidence, and no descriptor of a map that is gone.
+
+    Views and descriptors that are not mentioned stay, also when their writer starts again: it has
+    yet to see the instances again, and what it told before is still true of the same map.
     """
 
     def __init__(self, labeller: Labeller) -> None:
@@ -100,6 +103,7 @@ class Scene:
         self._views: dict[int, tuple[ViewRef, ...]] = {}
         self._views_epoch = 0
         self._described: dict[int, _Described] = {}
+        self._described_epoch = 0
 
     def apply_map(
         self, revision: Revision, instances: Iterable[Instance], up_world: Float64, *, full: bool
@@ -115,26 +119,24 @@ class Scene:
         self._revision = revision
         self._up_world = _unit(up_world, self._up_world)
 
-    def apply_views(
-        self, map_epoch: int, views: Mapping[int, tuple[ViewRef, ...]], *, full: bool
-    ) -> None:
+    def apply_views(self, map_epoch: int, views: Mapping[int, tuple[ViewRef, ...]]) -> None:
         """Take over changed views by instance id, computed against the map of ``map_epoch``."""
-        if full:
-            self._views = {}
-        self._views.update(views)
+        known = self._views if map_epoch == self._views_epoch else {}
+        self._views = {key: seen for key, seen in {**known, **views}.items() if seen}
         self._views_epoch = map_epoch
 
     def apply_descriptors(
-        self, descriptors: Mapping[int, Float32], removed: Int32, *, full: bool
+        self, map_epoch: int, descriptors: Mapping[int, Float32], removed: Int32
     ) -> None:
-        """Take over changed descriptors by instance id; labels follow for these only.
+        """Take over changed descriptors by id in the map of ``map_epoch``; labels follow for these.
 
         Raises:
             ValueError: a descriptor whose length is not the label texts' or that is not finite.
         """
         described = {key: self._describe(key, value) for key, value in descriptors.items()}
-        if full:
+        if map_epoch != self._described_epoch:
             self._described = {}
+        self._described_epoch = map_epoch
         for instance_id in removed.tolist():
             self._described.pop(instance_id, None)
         self._described.update(described)
@@ -167,7 +169,7 @@ class Scene:
         )
 
     def _answerable(self, instance_id: int) -> bool:
-        same_map = self._views_epoch == self._revision.epoch
+        same_map = self._views_epoch == self._described_epoch == self._revision.epoch
         return same_map and bool(self._views.get(instance_id)) and instance_id in self._described
 
     def _describe(self, instance_id: int, descriptor: Float32) -> _Described:

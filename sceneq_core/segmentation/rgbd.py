@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 
 from sceneq_core.arrays import Bool, Int32, UInt16
+from sceneq_core.checks import need_between, need_positive
 from sceneq_core.frame import Frame
 from sceneq_core.segmentation.flats import flats_of
 from sceneq_core.segmentation.solids import Limits, Solids, solids_of
@@ -44,14 +45,10 @@ class RgbdParams:
     min_plane_share: float = 0.02
 
     def __post_init__(self) -> None:
-        for name in ("width_px", "depth_noise", "min_height_m", "colour_scale", "contrast"):
-            if getattr(self, name) <= 0:
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
-        if not 0 < self.min_fold_deg < 180:
-            raise ValueError(f"min_fold_deg must be in (0, 180), got {self.min_fold_deg}")
-        for name in ("min_share", "min_plane_share"):
-            if not 0 < getattr(self, name) < 1:
-                raise ValueError(f"{name} must be in (0, 1), got {getattr(self, name)}")
+        need_positive(self, "width_px", "depth_noise", "min_height_m")
+        need_positive(self, "colour_scale", "contrast")
+        need_between(self, 0, 180, "min_fold_deg")
+        need_between(self, 0, 1, "min_share", "min_plane_share")
 
 
 class RgbdSegmenter:

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from sceneq_core.arrays import Array, Bool, Float32, Float64, UInt8
+from sceneq_core.depth import pixel_rays
 from sceneq_core.segmentation.working_image import WorkingImage
 
 _SLOPE_BASE_PX = 2
@@ -64,11 +65,9 @@ def surface_of(image: WorkingImage, noise: float, min_fold_deg: float) -> Surfac
     return Surface(closeness, image.K, normals, _facing(normals), steps, creases)
 
 
-def rays(image: WorkingImage) -> tuple[Float32, Float32]:
-    """Return the camera rays' x (1, w) and y (h, 1) at depth 1."""
-    height, width = image.closeness.shape
-    x = (np.arange(width) - image.K[0, 2]) / image.K[0, 0]
-    y = (np.arange(height) - image.K[1, 2]) / image.K[1, 1]
+def _rays(image: WorkingImage) -> tuple[Float32, Float32]:
+    """Return x / z (1, w) and y / z (h, 1) of the pixels."""
+    x, y = pixel_rays(image.K, image.closeness.shape)
     return x[None].astype(np.float32), y[:, None].astype(np.float32)
 
 
@@ -105,7 +104,7 @@ def _smoothed(values: Float32, where: Bool) -> Float32:
 
 def _normals(closeness: Float32, slopes: list[Float32], image: WorkingImage) -> Float32:
     """Return unit normals: the plane n . p = 1 has closeness n . (x, y, 1) along the ray."""
-    x, y = rays(image)
+    x, y = _rays(image)
     n_x = slopes[0] * np.float32(image.K[0, 0])
     n_y = slopes[1] * np.float32(image.K[1, 1])
     away = np.stack([n_x, n_y, closeness - n_x * x - n_y * y])
@@ -133,7 +132,7 @@ def _creases(
 ) -> Bool:
     """Return where the normals on both sides lean towards each other by ``min_fold_deg``."""
     depth = np.where(closeness > 0, 1 / np.maximum(closeness, 1e-6), 0)
-    x, y = rays(image)
+    x, y = _rays(image)
     points = np.stack([x * depth, y * depth, depth])
     creases = np.zeros(closeness.shape, bool)
     for axis in (0, 1):

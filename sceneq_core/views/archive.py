@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain
 
+from sceneq_core.checks import need_at_least
 from sceneq_core.views.keyframe import Keyframe
 
 
@@ -21,10 +22,8 @@ class ArchiveParams:
     capacity: int = 400
 
     def __post_init__(self) -> None:
-        if self.newest < 1:
-            raise ValueError(f"newest: must be at least 1, got {self.newest}")
-        if self.capacity < self.newest:
-            raise ValueError(f"capacity: must be at least newest, got {self.capacity}")
+        need_at_least(self, 1, "newest")
+        need_at_least(self, self.newest, "capacity")
 
 
 class ImageArchive:

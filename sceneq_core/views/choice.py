@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sceneq_core.arrays import Bool, Float64, Int64
+from sceneq_core.checks import need_positive, need_within
+from sceneq_core.vectors import unit_rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,12 +28,9 @@ class ChoiceParams:
     distinct_deg: float = 15.0
 
     def __post_init__(self) -> None:
-        for name in ("count", "min_visible_px", "distinct_deg"):
-            if getattr(self, name) <= 0:
-                raise ValueError(f"{name}: must be positive, got {getattr(self, name)}")
-        for name in ("cut_weight", "repeat_weight"):
-            if not 0 < getattr(self, name) <= 1:
-                raise ValueError(f"{name}: must be in (0, 1], got {getattr(self, name)}")
+        need_positive(self, "count", "min_visible_px", "cut_weight")
+        need_positive(self, "repeat_weight", "distinct_deg")
+        need_within(self, 0, 1, "cut_weight", "repeat_weight")
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +55,7 @@ def choose(candidates: Candidates, centre_world: Float64, params: ChoiceParams) 
     enough = candidates.visible_px >= params.min_visible_px
     score = np.where(enough, candidates.visible_px.astype(np.float64), 0.0)
     score[candidates.cut] *= params.cut_weight
-    direction = _unit(candidates.camera_world - centre_world)
+    direction = unit_rows(candidates.camera_world - centre_world)
     same_side = direction @ direction.T > np.cos(np.radians(params.distinct_deg))
     repeat = np.ones(len(score))
     chosen: list[int] = []
@@ -66,9 +65,3 @@ def choose(candidates: Candidates, centre_world: Float64, params: ChoiceParams) 
         score[best] = 0.0
         repeat[same_side[best]] = params.repeat_weight
     return chosen
-
-
-def _unit(vectors: Float64) -> Float64:
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    unit: Float64 = vectors / np.maximum(length, 1e-9)
-    return unit

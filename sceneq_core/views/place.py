@@ -5,19 +5,20 @@ which start again when the writer of the map does; so what a keyframe shows stay
 voxels, superpoints and instances change around it.
 """
 
-import cv2
 import numpy as np
 
 from sceneq_core.arrays import Bool, Float32, Float64, Int32, Int64
+from sceneq_core.depth import inverse_depth, pixel_rays, smoothed_depth
 from sceneq_core.frame import Frame
 from sceneq_core.mapping.replica import MapReplica
+from sceneq_core.mapping.rows import with_rows
 from sceneq_core.mapping.voxel_index import COORD_LIMIT, VoxelIndex
 
 STRIDE_PX = 2
 NO_PLACE = -1
-WINDOW_PX = (5, 5)
+WINDOW_RADIUS_PX = 2
 SAME_SURFACE = 0.02
-"""Depths that differ by less than this share of the depth belong to one surface."""
+"""Window and tolerance of the smoothing of depth, those with which the map is made by default."""
 
 
 class Places:
@@ -36,10 +37,8 @@ class Places:
 
     def learn(self, voxel_id: Int32, voxel_coord: Int32) -> None:
         """Take over that voxel ids (M,) lie at grid coordinates (M, 3)."""
-        missing = int(voxel_id.max(initial=-1)) + 1 - len(self._place_of_voxel)
-        if missing > 0:
-            room = np.full(max(missing, len(self._place_of_voxel)), NO_PLACE, np.int32)
-            self._place_of_voxel = np.append(self._place_of_voxel, room)
+        count = int(voxel_id.max(initial=-1)) + 1
+        self._place_of_voxel = with_rows(self._place_of_voxel, count, NO_PLACE)
         new = self._place_of_voxel[voxel_id] == NO_PLACE
         self._place_of_voxel[voxel_id[new]] = self._index.insert(voxel_coord[new])
 
@@ -85,13 +84,13 @@ def _points_in_voxels(frame: Frame, voxel_size_m: float) -> tuple[Float64, Bool]
 
     Points that are too far from the origin to have a voxel count as not measured.
     """
-    depth_m = _smoothed(np.ascontiguousarray(frame.depth_m[::STRIDE_PX, ::STRIDE_PX]))
+    depth_m = _depth_of_map(np.ascontiguousarray(frame.depth_m[::STRIDE_PX, ::STRIDE_PX]))
     farthest_m = (COORD_LIMIT - 2) * voxel_size_m - np.abs(frame.T_world_camera[:3, 3]).max()
     measured = (depth_m > 0) & (depth_m * _longest_ray(frame) < farthest_m)
     row, column = np.nonzero(measured)
+    ray_x, ray_y = pixel_rays(frame.K, frame.depth_m.shape, STRIDE_PX)
     z = depth_m[measured]
-    x = (column * STRIDE_PX - frame.K[0, 2]) * (z / frame.K[0, 0])
-    y = (row * STRIDE_PX - frame.K[1, 2]) * (z / frame.K[1, 1])
+    x, y = ray_x[column] * z, ray_y[row] * z
     T_voxel_camera = frame.T_world_camera / voxel_size_m
     # Written out: a matrix product may round otherwise with another number of threads.
     return np.stack([a * x + b * y + c * z + t for a, b, c, t in T_voxel_camera[:3]]), measured
@@ -105,17 +104,10 @@ def _longest_ray(frame: Frame) -> float:
     return float(np.sqrt(1 + x * x + y * y))
 
 
-def _smoothed(depth_m: Float32) -> Float64:
-    """Return the depth with the noise of the sensor averaged out, as the map does.
-
-    Inverse depth, because a plane is linear in it; not across edges, where the mean is far off.
-    """
-    valid = depth_m > 0
-    inverse = np.where(valid, 1.0 / np.maximum(depth_m, np.float32(1e-3)), np.float32(0))
-    share = np.maximum(cv2.blur(valid.astype(np.float32), WINDOW_PX), np.float32(1e-6))
-    mean_m = share.astype(np.float64) / np.maximum(cv2.blur(inverse, WINDOW_PX), 1e-6)
-    z = depth_m.astype(np.float64)
-    return np.where(np.abs(mean_m - z) < SAME_SURFACE * z, mean_m, z)
+def _depth_of_map(depth_m: Float32) -> Float64:
+    """Return the depth smoothed as the map smooths it, or points would miss their own voxels."""
+    _, mean = inverse_depth(depth_m, depth_m > 0, WINDOW_RADIUS_PX)
+    return smoothed_depth(depth_m, mean, SAME_SURFACE)
 
 
 def _runs(coord: Int32) -> tuple[Int64, Int64]:

@@ -51,8 +51,14 @@ def test_seq_and_stamps_grow(source: Source) -> None:
     assert (np.diff(stamps) > 0).all()
 
 
+def good_frames(source: Source) -> list[RawFrame]:
+    frames = [frame for frame in source.frames() if isinstance(frame, RawFrame)]
+    assert frames
+    return frames
+
+
 def test_images_fit_the_cameras(source: Source) -> None:
-    for frame in (f for f in source.frames() if isinstance(f, RawFrame)):
+    for frame in good_frames(source):
         rgb, depth_mm = frame.read_rgb(), frame.read_depth_mm()
         assert not isinstance(rgb, Skipped)
         assert not isinstance(depth_mm, Skipped)
@@ -61,7 +67,7 @@ def test_images_fit_the_cameras(source: Source) -> None:
 
 
 def test_poses_are_there_or_not_as_promised(source: Source) -> None:
-    for frame in (f for f in source.frames() if isinstance(f, RawFrame)):
+    for frame in good_frames(source):
         assert (frame.T_world_camera is not None) == source.has_poses
         assert frame.T_world_camera is None or rigid_defect(frame.T_world_camera) is None
 

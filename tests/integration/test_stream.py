@@ -145,3 +145,33 @@ def test_a_killed_node_comes_back_and_queries_work_again(
             )
     finally:
         assert live.close() == 0
+
+
+def test_what_was_answerable_stays_so_when_its_writers_are_killed(
+    graph: Path, recording: Path, runtime: Path
+) -> None:
+    live = LiveGraph(graph, recording, runtime)
+
+    def answers() -> tuple[int, int]:
+        (status,) = live.zenoh_get(STATUS)
+        return status["instances"], status["answerable"]
+
+    try:
+        live.wait_until_settled()
+        before = answers()
+        assert before[1] >= 5
+        for node in ("encoding", "views", "ingest"):
+            old = live.pids()[node]
+            os.kill(old, signal.SIGKILL)
+            assert answers() == before
+            live.wait(lambda node=node, old=old: live.status()[node].get("pid") not in (None, old))
+            assert answers() == before
+        # Ingest plays again what the map holds already: acknowledged at once, nothing changes.
+        live.wait_until_settled()
+        nodes = live.status()
+        assert nodes["mapping"]["counters"]["frames_integrated"] == 12
+        assert nodes["mapping"]["counters"]["frames_repeated"] >= 12
+        assert nodes["ingest"]["counters"].get("frames_lost", 0) == 0
+        assert answers() == before
+    finally:
+        assert live.close() == 0

@@ -11,6 +11,7 @@ from sceneq_nodes._bus import QueryError, Reply
 from sceneq_nodes._convert import view_set_message
 from sceneq_nodes._wire import from_bytes
 from sceneq_nodes.encoding import Encoding, EncodingParams
+from sceneq_schemas.codec import encode
 from sceneq_schemas.feature import FeatureDelta
 from sceneq_schemas.topics import (
     FEATURE_DELTA,
@@ -36,8 +37,8 @@ def view_set(instance_id, *seqs, x=8):
     return view_set_message(ViewSet(instance_id, views))
 
 
-def delta(seq, *view_sets, full=False, epoch=EPOCH):
-    return ViewDelta(epoch, seq, full, 10 * seq, 1000 * seq, 1, seq, tuple(view_sets))
+def delta(seq, *view_sets, full=False, epoch=EPOCH, map_epoch=1):
+    return ViewDelta(epoch, seq, full, 10 * seq, 1000 * seq, map_epoch, seq, tuple(view_sets))
 
 
 def picture(request):
@@ -145,10 +146,38 @@ def test_an_instance_that_is_gone_takes_its_descriptor_along(bus, node):
     work(node)
     bus.deliver(node, VIEW_DELTA, delta(2, view_set(1), view_set(3)))
     assert told(bus)[-1].removed.tolist() == [1]
-    bus.deliver(node, VIEW_DELTA, delta(1, view_set(3, 10), full=True, epoch=EPOCH + 1))
-    assert told(bus)[-1].removed.tolist() == [2]
+    assert [one.instance_id for one in snapshot(bus).descriptors] == [2]
+
+
+def test_a_restart_of_views_on_the_same_map_takes_no_descriptor_away(bus, node):
+    bus.deliver(node, VIEW_DELTA, delta(1, view_set(1, 10), view_set(2, 20)))
     work(node)
-    assert [one.instance_id for one in snapshot(bus).descriptors] == [3]
+    bus.deliver(node, VIEW_DELTA, delta(1, view_set(3, 10), full=True, epoch=EPOCH + 1))
+    work(node)
+    assert [m.removed.tolist() for m in told(bus)] == [[], [], []]
+    assert [one.instance_id for one in snapshot(bus).descriptors] == [1, 2, 3]
+
+
+def test_views_that_know_no_map_yet_change_nothing(bus, node):
+    bus.deliver(node, VIEW_DELTA, delta(1, view_set(1, 10)))
+    work(node)
+    before = snapshot(bus)
+    nothing = delta(1, full=True, epoch=EPOCH + 1, map_epoch=0)
+    bus.deliver(node, VIEW_DELTA, nothing)
+    work(node)
+    assert encode(snapshot(bus)) == encode(before)
+
+
+def test_another_map_means_other_instances(bus, node):
+    bus.deliver(node, VIEW_DELTA, delta(1, view_set(1, 10), view_set(2, 20)))
+    work(node)
+    bus.deliver(node, VIEW_DELTA, delta(2, view_set(1, 20), view_set(4, 30)))
+    bus.deliver(node, VIEW_DELTA, delta(3, view_set(1, 20), full=True, map_epoch=2))
+    work(node)
+    assert [(m.map_epoch, m.full) for m in told(bus)] == [(1, True), (1, False), (2, True)]
+    whole = snapshot(bus)
+    assert whole.map_epoch == 2
+    assert [(one.instance_id, one.view_seq.tolist()) for one in whole.descriptors] == [(1, [20])]
 
 
 def test_views_whose_picture_is_gone_are_skipped(bus, node):

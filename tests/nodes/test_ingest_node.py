@@ -116,6 +116,30 @@ def test_what_nobody_acknowledges_is_sent_again_and_given_up(
     assert seqs(bus, POSE) == [0, 6]
 
 
+def test_the_source_starts_again_when_mapping_or_views_do(folder: Path, clock: Clock) -> None:
+    node, bus = opened(folder, window=1, replays=2)
+
+    def map_holds(seq: int, map_epoch: int, epoch: int = 1) -> None:
+        bus.deliver(node, VIEW_DELTA, ViewDelta(epoch, 1, False, seq, 0, map_epoch, 1, ()))
+
+    node.step(None)
+    map_holds(0, 7)
+    map_holds(2, 0)  # views knows no map yet
+    map_holds(4, 7)
+    assert seqs(bus, FRAME) == [0, 2, 4, 6]
+    map_holds(6, 8)
+    assert seqs(bus, FRAME) == [0, 2, 4, 6, 0]
+    map_holds(0, 8, epoch=2)
+    assert seqs(bus, FRAME) == [0, 2, 4, 6, 0, 0]
+    map_holds(0, 10)  # it is no use
+    assert seqs(bus, FRAME) == [0, 2, 4, 6, 0, 0, 2]
+    assert bus.counters["replays"] == 2
+    for seq in (2, 4, 6, 8, 10):
+        map_holds(seq, 10)
+    assert bus.reported["state"] == "finished"
+    assert bus.reported["keyframes"] == 6
+
+
 def test_paced_play_follows_the_clock_and_waits_for_nobody(folder: Path, clock: Clock) -> None:
     node, bus = opened(folder, rate_hz=10.0, window=1)
     assert not bus.subscriptions

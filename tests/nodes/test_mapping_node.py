@@ -113,7 +113,8 @@ def test_segments_of_another_size_are_refused_and_the_next_frame_is_taken():
     bus.deliver(node, MASK, Masks(0, 0, np.zeros((4, 4), np.uint16)))
     show(node, bus, 1)
     assert bus.counters["frames_refused"] == 1
-    assert [(d.seq, d.frame_seq) for d in bus.sent(MAP_DELTA)] == [(1, 1)]
+    assert [(d.seq, d.frame_seq) for d in bus.sent(MAP_DELTA)] == [(1, 0), (2, 1)]
+    assert bus.sent(MAP_DELTA)[0].instances == ()
 
 
 def test_a_frame_that_does_not_decode_is_refused():

@@ -80,13 +80,13 @@ def view_delta(seq=1, things=ROOM):
 
 
 def feature_delta(seq=1, things=ROOM):
-    vectors = ENCODER.encode_texts([thing.name for thing in things])
+    vectors = ENCODER.encode_texts([thing.name for thing in things]) if things else ()
     none = np.zeros(0, np.float32)
     rows = tuple(
         Descriptor(i + 1, np.array([10], np.int64), row, none) for i, row in enumerate(vectors)
     )
     removed = np.zeros(0, np.int32)
-    return FeatureDelta(1, seq, True, 10, 1_000, ENCODER.model_id, rows, removed)
+    return FeatureDelta(1, seq, True, 10, 1_000, ENCODER.model_id, rows, removed, EPOCH)
 
 
 def pose(position):
@@ -402,6 +402,49 @@ def test_a_restarted_node_catches_up_from_snapshots():
     Routing(PARAMS, bus.context).open(bus)
     answer = ask(bus, QUERY_INSTANCES, "lamp")
     assert (answer["status"], answer["map"]["seq"]) == ("found", 7)
+
+
+def answerable(bus):
+    return ask(bus, QUERY_INSTANCES, wildcard=True)["answerable"]
+
+
+def test_a_restart_of_encoding_or_views_takes_no_answer_away(bus):
+    for topic, empty, some in (
+        (FEATURE_DELTA, feature_delta(1, ()), feature_delta(2, ROOM[:2])),
+        (VIEW_DELTA, view_delta(1, ()), view_delta(2, ROOM[:2])),
+    ):
+        ids = {"model": ENCODER.model_id} if topic is FEATURE_DELTA else {}
+        for message in (empty, some):
+            bus.deliver(bus.node, topic, replace(message, epoch=2), **ids)
+            assert answerable(bus) == len(ROOM)
+    assert ask(bus, QUERY_INSTANCES, "lamp")["status"] == "found"
+
+
+@pytest.mark.parametrize("late", [VIEW_DELTA, FEATURE_DELTA])
+def test_a_restarted_writer_that_knows_no_map_takes_no_answer_away(bus, late):
+    message = view_delta(1, ()) if late is VIEW_DELTA else feature_delta(1, ())
+    ids = {"model": ENCODER.model_id} if late is FEATURE_DELTA else {}
+    bus.deliver(bus.node, late, replace(message, epoch=2, map_epoch=0), **ids)
+    assert answerable(bus) == len(ROOM)
+
+
+def test_after_a_restart_of_the_map_no_answer_mixes_the_old_and_the_new(bus):
+    """Instance 1 is the lamp now; it was a chair."""
+    model, lamp = {"model": ENCODER.model_id}, ROOM[15:]
+    bus.deliver(bus.node, MAP_DELTA, replace(map_delta(1, things=lamp), epoch=EPOCH + 1))
+    assert answerable(bus) == 0
+    moved = replace(view_delta(2, lamp), map_epoch=EPOCH + 1)
+    bus.deliver(bus.node, VIEW_DELTA, moved)
+    assert answerable(bus) == 0
+    of_the_old_map = replace(feature_delta(2, ROOM[:1]), full=False)
+    bus.deliver(bus.node, FEATURE_DELTA, of_the_old_map, **model)
+    assert answerable(bus) == 0
+    bus.deliver(
+        bus.node, FEATURE_DELTA, replace(feature_delta(3, lamp), map_epoch=EPOCH + 1), **model
+    )
+    assert answerable(bus) == 1
+    answer = ask(bus, QUERY_INSTANCES, "lamp")
+    assert [(one["id"], one["label"]) for one in answer["instances"]] == [(1, "lamp")]
 
 
 def test_stop_without_a_message():

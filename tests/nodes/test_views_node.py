@@ -11,6 +11,8 @@ from sceneq_nodes._bus import QueryError, Reply
 from sceneq_nodes._convert import map_delta_message, view_set_message
 from sceneq_nodes._images import frame_message
 from sceneq_nodes._wire import from_bytes, to_bytes
+from sceneq_nodes.mapping import MappingParams
+from sceneq_nodes.segmentation import SegmentationParams
 from sceneq_nodes.views import Views, ViewsParams
 from sceneq_schemas.codec import encode
 from sceneq_schemas.topics import (
@@ -129,14 +131,37 @@ def test_frames_the_map_never_takes_in_are_let_go_and_counted(bus, stream):
     assert acknowledged(bus) == [2, 3]
 
 
-def test_a_frame_that_does_not_decode_is_skipped_and_counted(bus, stream):
+def test_frames_wait_longer_than_those_before_can_lag_behind():
+    behind = SegmentationParams().inbox + 2 * MappingParams().max_waiting
+    assert ViewsParams().waiting > behind
+
+
+def test_a_frame_that_does_not_decode_is_acknowledged_skipped_and_counted(bus, stream):
     frames, deltas, _ = stream
     node = opened(bus)
     bus.deliver(node, FRAME, replace(frames[0], T_world_camera=np.full((4, 4), np.nan)))
     bus.deliver(node, MAP_DELTA, deltas[0])
     assert bus.counters["frames_bad"] == 1
     run(bus, node, (frames[1:], deltas[1:], None))
-    assert acknowledged(bus) == [1, 2, 3]
+    assert acknowledged(bus) == [0, 1, 2, 3]
+    assert bus.counters["frames_observed"] == 3
+
+
+def test_after_a_restart_of_the_map_every_view_set_is_told(bus, stream):
+    true_map = stream[2]
+    node = opened(bus)
+    run(bus, node, stream)
+    again = replace(map_delta_message(true_map.snapshot(), EPOCH + 1, 1), frame_seq=9)
+    bus.deliver(node, MAP_DELTA, again)
+    node.step(None)
+    first, second = (m for m in bus.sent(VIEW_DELTA) if m.full)
+    assert (first.map_epoch, second.map_epoch) == (EPOCH, EPOCH + 1)
+    bus.deliver(node, FRAME, stream[0][0])
+    assert len(bus.sent(VIEW_DELTA)) == FRAMES + 1, "not acknowledged before the new map holds it"
+    told = [view_set.instance_id for view_set in second.view_sets]
+    assert told == [view_set.instance_id for view_set in snapshot(bus).view_sets]
+    assert set(told) <= {one.instance_id for one in again.instances}
+    assert len(told) >= 3
 
 
 def test_a_map_delta_that_contradicts_itself_is_skipped_and_counted(bus, stream):

@@ -5,14 +5,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sceneq_core.mapping.mapper import Mapper
+from sceneq_core.mapping.partition import SuperpointParams, VoxelFeatures, partition
 from sceneq_core.mapping.replica import MapReplica
-from sceneq_core.mapping.superpoints import (
-    SuperpointParams,
-    Superpoints,
-    VoxelFeatures,
-    partition,
-)
-from sceneq_core.mapping.surface import Surface
+from sceneq_core.mapping.superpoints import Superpoints
+from sceneq_core.mapping.surface import SurfacePoints
 from sceneq_core.mapping.voxel_index import VoxelIndex
 from sceneq_core.mapping.voxels import Voxels
 
@@ -27,7 +23,7 @@ def random_surface(seed, count):
     rng = np.random.default_rng(seed)
     points = rng.uniform(-0.3, 0.3, (count, 3)) * (1.0, 1.0, 0.1)
     normals = rng.normal((0.0, 0.0, 1.0), 0.2, (count, 3))
-    return Surface(
+    return SurfacePoints(
         points_world=points,
         normals_world=normals / np.linalg.norm(normals, axis=1, keepdims=True),
         rgb=np.where(points[:, :1] > 0, [200, 30, 30], [90, 90, 90]).astype(np.uint8),
@@ -38,7 +34,7 @@ def random_surface(seed, count):
 
 
 def part_of(surface, rows):
-    return Surface(*(getattr(surface, name)[rows] for name in Surface.__slots__))
+    return SurfacePoints(*(getattr(surface, name)[rows] for name in SurfacePoints.__slots__))
 
 
 portions = st.lists(st.integers(1, 400), min_size=1, max_size=5)

@@ -112,8 +112,8 @@ def furnish(
     scene = Scene(Labeller(label_set or named("scannet200"), WordEncoder()))
     instances = [instance(i + 1, thing) for i, thing in enumerate(things)]
     scene.apply_map(Revision(5, 12, 110, 9_000), instances, UP, full=True)
-    scene.apply_views(5, views(things), full=True)
-    scene.apply_descriptors(descriptors(things, noise), np.zeros(0, np.int32), full=True)
+    scene.apply_views(5, views(things))
+    scene.apply_descriptors(5, descriptors(things, noise), np.zeros(0, np.int32))
     scene.move_viewpoint(VIEWPOINT)
     return scene
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from sceneq_core.frame import Frame, depth_from_mm
 from sceneq_core.mapping.mapper import MapperParams
-from sceneq_core.mapping.surface import Surface, SurfaceParams
+from sceneq_core.mapping.surface import SurfaceParams, SurfacePoints
 
 from support.room import Room
 
@@ -16,7 +16,7 @@ def surface(points, rgb=(100, 100, 100), normal=(0, 0, -1), weight=1.0):
     """Return a surface of the given world points."""
     points = np.asarray(points, np.float64).reshape(-1, 3)
     count = len(points)
-    return Surface(
+    return SurfacePoints(
         points_world=points,
         normals_world=np.broadcast_to(np.asarray(normal, np.float64), (count, 3)).copy(),
         rgb=np.broadcast_to(np.asarray(rgb, np.uint8), (count, 3)).copy(),

@@ -1,4 +1,4 @@
-"""Superpoints into groups by agreement over views; evidence; what a frame sights."""
+"""Superpoints into groups by agreement over views; evidence; which superpoints a frame shows."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from sceneq_core.mapping.association import Association, AssociationParams
 from sceneq_core.mapping.evidence import Evidence, agreement
 from sceneq_core.mapping.superpoints import SuperpointChange
-from sceneq_core.mapping.visibility import Sighting, sight
+from sceneq_core.mapping.visibility import Visible, visible_superpoints
 
 NO_IDS = np.zeros(0, np.int32)
 
@@ -29,8 +29,8 @@ class Film:
         )
         none = SuperpointChange(NO_IDS, NO_IDS, NO_IDS)
         change = change or (none if self.keyframe else first)
-        sighting = Sighting(ids(*labels), ids(*labels.values()), np.full(len(labels), 30, np.int64))
-        result = self.association.update(change, sighting, self.keyframe)
+        visible = Visible(ids(*labels), ids(*labels.values()), np.full(len(labels), 30, np.int64))
+        result = self.association.update(change, visible, self.keyframe)
         self.keyframe += 1
         return result
 
@@ -140,13 +140,13 @@ def test_the_majority_of_the_members_stands_for_the_group():
     assert (same.tolist(), common.tolist()) == ([0, 1, 2], [1, 1, 2])
 
 
-def test_a_sighting_takes_the_segment_that_covers_more_than_half():
+def test_a_visible_superpoint_takes_the_segment_that_covers_more_than_half():
     superpoint = ids(0, 0, 0, 1, 1, 1, 2, 2, -1)
     label = np.array([4, 4, 0, 4, 5, 0, 7, 7, 9], np.uint16)
-    sighting = sight(superpoint, label, min_pixels=3)
-    assert sighting.superpoint_id.tolist() == [0, 1]
-    assert sighting.label.tolist() == [4, -1]
-    assert sighting.pixels.tolist() == [3, 3]
+    visible = visible_superpoints(superpoint, label, min_pixels=3)
+    assert visible.superpoint_id.tolist() == [0, 1]
+    assert visible.label.tolist() == [4, -1]
+    assert visible.pixels.tolist() == [3, 3]
 
 
 @pytest.mark.parametrize(

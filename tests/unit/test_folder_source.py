@@ -60,6 +60,15 @@ def test_a_loop_goes_on_with_seq_and_stamps(tmp_path: Path) -> None:
     np.testing.assert_array_equal(lap[3].T_world_camera, pose(3))
 
 
+def test_a_loop_ends_when_the_files_are_gone(tmp_path: Path) -> None:
+    frames_ = opened(write_folder(tmp_path, [3, 5]), loop=True).frames()
+    assert [type(next(frames_)) for _ in range(3)] == [RawFrame] * 3
+    for path in tmp_path.glob("frame-*"):
+        path.unlink()
+    rest = list(frames_)
+    assert [(type(one), one.seq) for one in rest] == [(Skipped, n) for n in (9, 11, 13)]
+
+
 def test_poses_can_be_left_alone(tmp_path: Path) -> None:
     folder = write_folder(tmp_path, [0])
     assert not opened(folder, use_poses=False).has_poses

@@ -60,5 +60,5 @@ def test_the_papers_thresholds(p_max, margin, entropy, accepted):
 
 
 def test_thresholds_outside_the_unit_interval_are_refused():
-    with pytest.raises(ValueError, match=r"min_margin: 1\.5 is not in \[0, 1\]"):
+    with pytest.raises(ValueError, match=r"min_margin: must be from 0 to 1, got 1\.5"):
         GateParams(min_margin=1.5)

@@ -51,7 +51,10 @@ def test_a_good_graph_has_the_defaults_of_the_rest(tmp_path: Path) -> None:
 
 
 def test_the_graph_that_comes_with_the_package_is_right() -> None:
-    check_nodes(*load(default_path()))
+    graph, document = load(default_path())
+    check_nodes(graph, document)
+    kinds = ["ingest", "segmentation", "mapping", "views", "encoding", "routing", "reasoning"]
+    assert [node.id for node in graph.nodes] == kinds
 
 
 def test_the_graph_in_the_package_is_the_top_level_one() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from sceneq_core.frame import depth_to_mm
 from sceneq_core.ingest.ingestor import Ingested, Ingestor
-from sceneq_core.ingest.keyframes import EveryNth
+from sceneq_core.ingest.keyframes import EveryNth, EveryNthParams
 from sceneq_core.ingest.source import Camera, RawFrame, Skipped
 from sceneq_core.ingest.trajectory import color_trajectory
 
@@ -57,7 +57,7 @@ class Sideways:
 
 
 def every(n: int) -> EveryNth:
-    return EveryNth(EveryNth.Params(every=n))
+    return EveryNth(EveryNthParams(every=n))
 
 
 def test_keyframes_are_decoded_and_other_frames_are_not() -> None:

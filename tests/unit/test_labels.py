@@ -42,7 +42,9 @@ def test_custom_labels_are_stripped():
 def test_an_instance_gets_the_label_of_its_words():
     encoder = WordEncoder()
     labeller = Labeller(custom(["cup", "chair", "lamp"]), encoder)
-    (best, second) = labeller.best(encoder.encode_texts(["chair"])[0], k=2)
+    (best, second) = labeller.best_of_scores(
+        labeller.scores(encoder.encode_texts(["chair"]))[0], k=2
+    )
     assert best.name == "chair"
     assert best.cosine == pytest.approx(1.0)
     assert best.p > 0.99
@@ -53,6 +55,6 @@ def test_probabilities_add_up_to_one():
     encoder = WordEncoder()
     labeller = Labeller(named("scannet200"), encoder)
     descriptor = np.full(encoder.dim, encoder.dim**-0.5, np.float32)
-    labels = labeller.best(descriptor, k=200)
+    labels = labeller.best_of_scores(labeller.scores(descriptor[None])[0], k=200)
     assert sum(label.p for label in labels) == pytest.approx(1.0)
     assert [label.p for label in labels] == sorted((label.p for label in labels), reverse=True)

@@ -61,6 +61,8 @@ def test_ids_start_at_one_and_keep_meaning_the_same_thing():
             assert instance.instance_id >= 1
             if instance.voxel_count < 2000:
                 assert np.linalg.norm(instance.centre_world - origin) < 0.15
+    assert sorted(first) == list(range(1, len(first) + 1))
+    assert len(first) >= 3
 
 
 def test_deltas_replay_to_the_snapshot():

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from sceneq_core.ingest.odometry import KissIcpOdometry
+from sceneq_core.ingest.odometry import KissIcpOdometry, KissIcpParams
 from sceneq_core.ingest.trajectory import trajectory_report
 from sceneq_core.ingest.transforms import rigid_defect
 
@@ -22,7 +22,7 @@ def views() -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def run(views, **params) -> list[np.ndarray]:
-    odometry = KissIcpOdometry(KissIcpOdometry.Params(**params))
+    odometry = KissIcpOdometry(KissIcpParams(**params))
     poses = [odometry.register(depth_mm, ROOM.K, 0) for depth_mm, _ in views]
     assert all(T is not None and rigid_defect(T) is None for T in poses)
     return poses
@@ -44,7 +44,7 @@ def test_it_is_deterministic_to_the_bit(views) -> None:
 
 def test_an_empty_image_gets_no_pose_and_does_no_harm(views) -> None:
     empty = np.zeros_like(views[0][0])
-    odometry = KissIcpOdometry(KissIcpOdometry.Params())
+    odometry = KissIcpOdometry(KissIcpParams())
     assert odometry.register(empty, ROOM.K, 0) is None
     found = [odometry.register(depth, ROOM.K, 0) for depth, _ in views[:3]]
     assert odometry.register(empty, ROOM.K, 0) is None
@@ -60,7 +60,7 @@ def test_the_environment_does_not_count(views, monkeypatch: pytest.MonkeyPatch) 
 @pytest.mark.parametrize("name", ["voxel_m", "stride", "max_range_m"])
 def test_parameters_name_what_is_wrong(name: str) -> None:
     with pytest.raises(ValueError, match=name):
-        KissIcpOdometry.Params(**{name: 0})
+        KissIcpParams(**{name: 0})
 
 
 def test_it_prints_nothing_and_loads_no_viewer() -> None:

@@ -101,5 +101,5 @@ def test_a_doubtful_nearer_thing_does_not_beat_a_certain_one():
 
 @pytest.mark.parametrize("name", ["contact_m", "reach_m", "near_m", "thinnest_m"])
 def test_scales_must_be_positive(name):
-    with pytest.raises(ValueError, match=f"{name}: 0.0 is not positive"):
+    with pytest.raises(ValueError, match=f"{name}: must be positive, got 0.0"):
         RelationParams(**{name: 0.0})

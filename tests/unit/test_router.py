@@ -69,7 +69,7 @@ def test_a_descriptor_close_to_every_text_does_not_win():
     scene = furnish(noise=2.5)
     hub = labels.sum(axis=0)
     hub = (hub / np.linalg.norm(hub)).astype(np.float32)
-    scene.apply_descriptors({1: hub}, np.zeros(0, np.int32), full=False)
+    scene.apply_descriptors(5, {1: hub}, np.zeros(0, np.int32))
     answer = route("lamp", scene.snapshot()).answer
     assert best(answer) == 16
 
@@ -165,11 +165,11 @@ def test_probabilities_over_instances_add_up_to_one():
 
 def test_descriptors_without_views_or_geometry_do_not_answer():
     scene = furnish()
-    scene.apply_views(5, {16: ()}, full=False)
+    scene.apply_views(5, {16: ()})
     scene.apply_map(
         Revision(5, 13), [instance(6, ROOM[5], state="removed")], np.zeros(3), full=False
     )
-    scene.apply_descriptors({}, np.array([7], np.int32), full=False)
+    scene.apply_descriptors(5, {}, np.array([7], np.int32))
     found = [one.instance_id for one in scene.snapshot().instances]
     assert found == [i for i in range(1, 17) if i not in (6, 7, 16)]
     assert scene.snapshot().up_world.tolist() == [0.0, 0.0, 1.0]
@@ -186,9 +186,9 @@ def test_a_snapshot_does_not_change_afterwards():
     scene = furnish()
     before = scene.snapshot()
     scene.apply_descriptors(
+        5,
         {16: descriptors((Thing("box", (0, 0, 0), (1, 1, 1)),), 0.1)[1]},
         np.zeros(0, np.int32),
-        full=False,
     )
     assert before.instances[15].label.name == "lamp"
     assert scene.snapshot().instances[15].label.name == "box"
@@ -198,7 +198,7 @@ def test_a_descriptor_of_another_encoder_is_refused():
     scene = furnish()
     assert not scene.accepts(np.zeros(3, np.float32))
     with pytest.raises(ValueError, match="descriptor of instance 2: expected 256 finite numbers"):
-        scene.apply_descriptors({2: np.zeros(3, np.float32)}, np.zeros(0, np.int32), full=False)
+        scene.apply_descriptors(5, {2: np.zeros(3, np.float32)}, np.zeros(0, np.int32))
 
 
 def test_thresholds_are_checked():

@@ -3,12 +3,8 @@
 import numpy as np
 import pytest
 
-from sceneq_core.mapping.superpoints import (
-    SuperpointParams,
-    Superpoints,
-    VoxelFeatures,
-    partition,
-)
+from sceneq_core.mapping.partition import SuperpointParams, VoxelFeatures, partition
+from sceneq_core.mapping.superpoints import Superpoints
 from sceneq_core.mapping.voxels import Voxels
 
 from support.surfaces import patch, surface

@@ -35,7 +35,10 @@ def test_a_box_is_drawn_where_it_is():
 
 
 def test_a_box_beyond_the_image_is_clipped():
-    with_box(jpeg_from_rgb(BLUE), np.array([-1e9, -5, 1e9, 99], np.float32))
+    beyond = with_box(jpeg_from_rgb(BLUE), np.array([-1e9, -5, 1e9, 99], np.float32))
+    whole = with_box(jpeg_from_rgb(BLUE), np.array([0, 0, 60, 40], np.float32))
+    assert beyond == whole
+    assert jpeg_size(beyond) == (40, 60)
 
 
 def test_a_box_must_be_finite():

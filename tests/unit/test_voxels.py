@@ -18,6 +18,7 @@ def test_a_voxel_holds_the_weighted_mean_of_its_points():
     voxels.integrate(surface([[0.01, 0.02, 0.03]], rgb=(10, 20, 30), weight=1.0))
     touched = voxels.integrate(surface([[0.05, 0.02, 0.03]], rgb=(50, 20, 30), weight=3.0))
     assert touched.voxel_id.tolist() == [0]
+    assert touched.new_id.tolist() == []
     assert voxels.points_world(touched.voxel_id) == pytest.approx(np.array([[0.04, 0.02, 0.03]]))
     assert voxels.rgb(touched.voxel_id).tolist() == [[40, 20, 30]]
     assert voxels.normals_world(touched.voxel_id).tolist() == [[0.0, 0.0, -1.0]]

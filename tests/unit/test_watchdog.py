@@ -44,8 +44,27 @@ def test_a_restarted_node_is_not_watched_until_it_beats() -> None:
 def test_when_all_fall_silent_the_router_hangs() -> None:
     watchdog = ticking(5, "left", "right")
     assert hung_later(watchdog, 5, 9) == {"router": "no heartbeat of any node for 3 s"}
-    watchdog.forget_all()
-    assert hung_later(watchdog, 9, 60) == {}
+    assert hung_later(watchdog, 9.5, 15, "left", "right") == {}
+
+
+def test_a_router_that_hangs_costs_no_node_although_last_heartbeats_are_not_simultaneous() -> None:
+    watchdog = ticking(5, "left", "right", "middle")
+    watchdog.beat("left", 5.4)
+    watchdog.beat("right", 5.9)
+    told = [watchdog.hung(5 + tenth / 10) for tenth in range(1, 41)]
+    assert [one for one in told if one] == [{"router": "no heartbeat of any node for 3 s"}]
+
+
+def test_a_node_that_hangs_while_the_router_restarts_is_found() -> None:
+    watchdog = ticking(5, "left", "right")
+    watchdog.forgive(5.5)
+    assert hung_later(watchdog, 5.5, 9, "right") == {"left": "no heartbeat for 3 s"}
+
+
+def test_nodes_that_stay_silent_whatever_the_router_does_hang() -> None:
+    watchdog = ticking(5, "left", "right")
+    assert set(hung_later(watchdog, 5, 17)) == {"router"}
+    assert set(hung_later(watchdog, 17, 30)) == {"left", "right"}
 
 
 def test_a_single_node_that_falls_silent_hangs() -> None:

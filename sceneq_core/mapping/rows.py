@@ -1,8 +1,8 @@
-"""Tables whose rows are ids: growing them and marking rows in them."""
+"""Tables whose rows are ids: growing, marking and choosing rows."""
 
 import numpy as np
 
-from sceneq_core.arrays import Array, Bool, Int32
+from sceneq_core.arrays import Array, Bool, Int32, Int64
 
 
 def with_rows(array: Array, count: int, fill: float) -> Array:
@@ -31,3 +31,8 @@ def distinct(row_id: Int32, count: int) -> Int32:
     For ids of a dense table this is far quicker than sorting or hashing them.
     """
     return np.flatnonzero(marked(row_id, count)).astype(np.int32)
+
+
+def first_of_each(order: Int64, key: Array) -> Int64:
+    """Return, per distinct key in sorted order, the row that comes first for it in ``order``."""
+    return order[np.unique(key[order], return_index=True)[1]]

@@ -1,0 +1,57 @@
+"""Tables by id, and the numbers of their rows."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sceneq_core.mapping.ids import Ids
+from sceneq_core.mapping.rows import distinct, first_of_each, marked, with_rows
+from sceneq_core.vectors import unit_rows
+
+
+def ids(*values):
+    return np.array(values, np.int32)
+
+
+def test_numbers_that_came_back_are_handed_out_first_and_smallest_first():
+    numbers = Ids()
+    assert numbers.take(4).tolist() == [0, 1, 2, 3]
+    numbers.give_back(ids(3, 1))
+    numbers.give_back(ids(1))
+    assert numbers.take(3).tolist() == [1, 3, 4]
+    assert numbers.take(0).tolist() == []
+    assert len(numbers) == 5
+
+
+@given(st.lists(st.tuples(st.integers(0, 5), st.integers(0, 5)), max_size=20))
+def test_a_number_never_has_two_owners(steps):
+    numbers, held = Ids(), set()
+    for count, returned in steps:
+        taken = numbers.take(count).tolist()
+        assert held.isdisjoint(taken)
+        held.update(taken)
+        back = sorted(held)[:returned]
+        numbers.give_back(ids(*back))
+        held.difference_update(back)
+        assert len(numbers) > max(held, default=-1)
+
+
+def test_rows_are_added_with_the_fill_and_none_is_lost():
+    table = with_rows(ids(7, 8), 3, -1)
+    assert table.tolist() == [7, 8, -1, -1]
+    assert table.dtype == np.int32
+    assert with_rows(table, 4, -1) is table
+
+
+def test_marks_and_distinct_ids():
+    assert marked(ids(2, 0, 2), 4).tolist() == [True, False, True, False]
+    assert distinct(ids(2, 0, 2), 4).tolist() == [0, 2]
+
+
+def test_the_first_in_order_stands_for_its_key():
+    key, size = ids(4, 1, 4, 1), ids(5, 9, 6, 2)
+    assert first_of_each(np.lexsort((-size, key)), key).tolist() == [1, 2]
+
+
+def test_unit_rows_keep_direction_and_zero():
+    assert unit_rows(np.array([[3.0, 0, 4.0], [0, 0, 0]])).tolist() == [[0.6, 0, 0.8], [0, 0, 0]]
