@@ -49,10 +49,6 @@ class Pending:
         self._waiting.pop(instance_id, None)
         self._described.pop(instance_id, None)
 
-    def instances(self) -> set[int]:
-        """Return the ids that wait or were described."""
-        return self._waiting.keys() | self._described.keys()
-
     def _urgency(self, instance_id: int) -> tuple[bool, int, int]:
         described = self._described.get(instance_id)
         new = sum(

@@ -82,4 +82,6 @@ def test_what_is_gone_is_forgotten():
     pending.forget(2)
     pending.forget(77)
     assert pending.take() is None
-    assert pending.instances() == {1}
+    pending.put(view_set(1, 30))
+    pending.put(view_set(2, 10))
+    assert pending.take().instance_id == 2  # as if it had never been described
