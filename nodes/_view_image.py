@@ -7,6 +7,7 @@ import numpy as np
 from sceneq_core.arrays import Float32
 from sceneq_core.views.jpeg import with_box
 from sceneq_nodes._bus import QueryError, Reply, Request
+from sceneq_schemas.topics import VIEW_IMAGE
 
 HINT = "try ?seq=120 or ?seq=120;box=10,20,200,220"
 
@@ -25,7 +26,7 @@ def answer_image(request: Request, image: Callable[[int], bytes | None]) -> Repl
     jpeg = image(seq)
     if jpeg is None:
         raise QueryError("not_found", f"no image of keyframe {seq}", "views name those there are")
-    return Reply(jpeg if box_xyxy is None else with_box(jpeg, box_xyxy), "image/jpeg")
+    return Reply(jpeg if box_xyxy is None else with_box(jpeg, box_xyxy), VIEW_IMAGE.encoding)
 
 
 def _parse(parameters: Mapping[str, str]) -> tuple[int, Float32 | None]:

@@ -28,7 +28,10 @@ class Delivery(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """A key pattern such as ``sceneq/mask/{scene}/v1`` with the type and delivery of its data."""
+    """A key pattern such as ``sceneq/mask/{scene}/v1`` with the type and delivery of its data.
+
+    Data are the msgpack of ``message``; without one, of ``media_type``.
+    """
 
     name: str
     pattern: str
@@ -37,10 +40,13 @@ class Topic:
     rate_hz: float
     max_bytes: int
     message: type | None = None
+    media_type: str = "application/json"
 
     @property
     def encoding(self) -> str:
-        """The zenoh encoding; it names the schema."""
+        """The zenoh encoding; of data of ours it names the schema."""
+        if self.media_type != "application/json":
+            return self.media_type
         if self.message is None:
             return f"application/json;sceneq.{self.name}.v1"
         return f"application/msgpack;{self.message.SCHEMA}"  # type: ignore[attr-defined]
@@ -104,7 +110,9 @@ VIEW_DELTA = Topic(
 VIEW_SNAPSHOT = Topic(
     "view_snapshot", "sceneq/view/{scene}/@snapshot/v1", "views", _Q, 0, 64 * MIB, ViewDelta
 )
-VIEW_IMAGE = Topic("view_image", "sceneq/view/{scene}/@image/v1", "views", _Q, 0, 8 * MIB)
+VIEW_IMAGE = Topic(
+    "view_image", "sceneq/view/{scene}/@image/v1", "views", _Q, 0, 8 * MIB, media_type="image/jpeg"
+)
 FEATURE_DELTA = Topic(
     "feature_delta",
     "sceneq/feat/{scene}/{model}/delta/v1",

@@ -22,7 +22,7 @@ def run(
             (
                 row["key"],
                 row["writer"],
-                row["message"] or "JSON",
+                row["message"] or row["encoding"].partition(";")[0].partition("/")[2].upper(),
                 row["delivery"],
                 f"{row['rate_hz']:g}" if row["rate_hz"] else "",
                 _size(row["max_bytes"]),

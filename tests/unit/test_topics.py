@@ -12,6 +12,7 @@ from sceneq_schemas.topics import (
     MAP_DELTA,
     QUERY_ASK,
     TOPICS,
+    VIEW_IMAGE,
     Delivery,
     Topic,
 )
@@ -65,6 +66,7 @@ def test_keys_of_other_topics_are_not_ours() -> None:
 def test_the_encoding_names_the_schema() -> None:
     assert FRAME.encoding == "application/msgpack;sceneq.frame.v1"
     assert QUERY_ASK.encoding == "application/json;sceneq.answer.v1"
+    assert VIEW_IMAGE.encoding == "image/jpeg"
 
 
 def test_typed_topics_carry_the_version_in_the_key() -> None:
