@@ -27,6 +27,7 @@ class KnownTexts:
         self.model_id = encoder.model_id
         self.dim = encoder.dim
         self.temperature = encoder.temperature
+        self.ceiling = encoder.ceiling
         self._encoder = encoder
         distinct = list(dict.fromkeys(texts))
         self._vectors = dict(zip(distinct, _vectors(encoder, distinct), strict=True))

@@ -19,12 +19,14 @@ class Encoder(Protocol):
     """Two towers into one space; both are loaded on first use only.
 
     ``model_id`` matches ``[a-z0-9_-]+`` and changes whenever vectors stop being comparable.
-    ``temperature`` is the T of softmax(s / T) fitted for this encoder.
+    ``temperature`` is the T of softmax(s / T) fitted for this encoder. ``ceiling`` is the highest
+    probability of a name that it has earned: the share of right ones among its surest; 1 = any.
     """
 
     model_id: str
     dim: int
     temperature: float
+    ceiling: float
 
     def encode_crops(self, crops: Sequence[Crop]) -> tuple[Float32, Float32]:
         """Return descriptors (N, dim), L2-normalised, and raw image features (N, F)."""

@@ -30,6 +30,7 @@ class HashEncoder:
         self.model_id = "hash-v1"
         self.dim = COLOURS + WORDS
         self.temperature = 0.1
+        self.ceiling = 1.0
 
     def encode_crops(self, crops: Sequence[Crop]) -> tuple[Float32, Float32]:
         """Return the colours of the crops (N, 64), twice: the feature is the descriptor."""

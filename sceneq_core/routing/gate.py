@@ -79,6 +79,19 @@ def softmax(scores: Float64, temperature: float) -> Float64:
     return np.exp(log_softmax(np.asarray(scores, np.float64) / temperature))
 
 
+def capped(p: Float64, ceiling: float) -> Float64:
+    """Return a distribution (C,) mixed with the uniform one until no value exceeds ``ceiling``.
+
+    A temperature fits confidence on average; a few scores far out still come out surer than the
+    encoder has ever been right. The order stays; below the ceiling nothing changes.
+    """
+    top, chance = float(p.max(initial=0.0)), 1.0 / max(len(p), 1)
+    if top <= ceiling:
+        return p
+    kept = max(ceiling - chance, 0.0) / (top - chance) if top > chance else 0.0
+    return kept * p + (1.0 - kept) * chance
+
+
 def log_softmax(logits: Float64) -> Float64:
     """Return the logarithm of softmax(logits) over the last axis; safe for large logits."""
     if logits.shape[-1] == 0:

@@ -8,7 +8,7 @@ import numpy as np
 from sceneq_core.arrays import Float32, Float64
 from sceneq_core.encoding.encoder import Encoder
 from sceneq_core.routing import scannet200
-from sceneq_core.routing.gate import softmax
+from sceneq_core.routing.gate import capped, softmax
 
 MAX_LABELS = 2000
 MAX_LABEL_CHARS = 64
@@ -70,6 +70,7 @@ class Labeller:
     def __init__(self, label_set: LabelSet, encoder: Encoder) -> None:
         self.label_set = label_set
         self.temperature = encoder.temperature
+        self.ceiling = encoder.ceiling
         self.text_vectors: Float32 = encoder.encode_texts(label_set.labels)
 
     def scores(self, descriptors: Float32) -> Float32:
@@ -85,4 +86,4 @@ class Labeller:
 
     def distribution(self, scores: Float32) -> Float64:
         """Return p float64 (C,) over the label set for cosines ``scores`` (C,)."""
-        return softmax(scores.astype(np.float64), self.temperature)
+        return capped(softmax(scores.astype(np.float64), self.temperature), self.ceiling)

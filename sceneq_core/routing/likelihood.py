@@ -50,10 +50,11 @@ class Fit:
 class Likelihood:
     """Compares words with instances by softmax(s / T); colours count as independent of nouns."""
 
-    def __init__(self, tower: TextTower, temperature: float) -> None:
+    def __init__(self, tower: TextTower, temperature: float, ceiling: float) -> None:
         self._colour_vectors = tower.encode(COLOUR_TERMS)
         self._vague_vectors = tower.encode(VAGUE)
         self._temperature = temperature
+        self._ceiling = ceiling
 
     def fit(self, snapshot: SceneSnapshot, wanted: Wanted) -> Fit:
         """Return how well the words fit every instance; there must be at least one."""
@@ -70,7 +71,7 @@ class Likelihood:
             p=np.exp(log_softmax(log_fit)),
             cosine=np.column_stack([noun, colour[:, asked]]).mean(axis=1).astype(np.float64),
             order=order,
-            presence=float(np.exp(log_noun + log_colour[best]).max()),
+            presence=min(float(np.exp(log_noun + log_colour[best]).max()), self._ceiling),
             chance=1.0 / (1 + rivals.shape[1]) / len(COLOUR_TERMS) ** len(asked),
         )
 

@@ -75,7 +75,7 @@ class Router:
         self._temperature = encoder.temperature
         self._judge = Judge(params.judge)
         self._reader = Reader(tower, labeller, params.synonym_cosine)
-        self._likelihood = Likelihood(tower, encoder.temperature)
+        self._likelihood = Likelihood(tower, encoder.temperature, encoder.ceiling)
 
     def read(self, text: str) -> Question:
         """Return the question in ``text``: the only step that runs the text tower.

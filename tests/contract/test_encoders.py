@@ -29,6 +29,7 @@ def test_it_says_what_it_is(encoder):
     assert re.fullmatch(r"[a-z0-9_-]+", encoder.model_id)
     assert encoder.dim > 0
     assert encoder.temperature > 0
+    assert 0 < encoder.ceiling <= 1
 
 
 def test_texts_become_unit_vectors(encoder):

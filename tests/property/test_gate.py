@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sceneq_core.routing.gate import Confidence, Gate, GateParams, softmax
+from sceneq_core.routing.gate import Confidence, Gate, GateParams, capped, softmax
 
 unit = st.floats(0.0, 1.0)
 confidences = st.builds(Confidence, unit, unit, unit, st.just(1.0))
@@ -48,3 +48,14 @@ def test_confidence_does_not_depend_on_the_order_of_choices(values, random):
     assert np.isclose(one.p_max, other.p_max)
     assert np.isclose(one.margin, other.margin)
     assert np.isclose(one.entropy_norm, other.entropy_norm)
+
+
+@given(scores, st.floats(0.01, 1.0), st.floats(0.05, 1.0))
+def test_nothing_is_surer_than_the_ceiling_and_the_order_stays(values, temperature, ceiling):
+    p = softmax(values, temperature)
+    lower = capped(p, ceiling)
+    assert np.isclose(lower.sum(), 1.0)
+    assert lower.max() <= max(ceiling, 1 / len(p)) + 1e-12
+    assert (np.diff(lower[np.argsort(p, kind="stable")]) >= -1e-12).all()
+    if p.max() <= ceiling:
+        assert np.array_equal(lower, p)

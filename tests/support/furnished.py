@@ -59,6 +59,7 @@ class WordEncoder:
     model_id = "words"
     dim = 256
     temperature = 0.1
+    ceiling = 1.0
 
     def __init__(self, params: WordParams | None = None) -> None:
         self.params = params or WordParams()

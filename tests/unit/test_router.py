@@ -7,10 +7,21 @@ import pytest
 
 from sceneq_core.reasoning.reasoner import Verdict
 from sceneq_core.routing.judge import JudgeParams
-from sceneq_core.routing.router import RouterParams
+from sceneq_core.routing.labels import Labeller, named
+from sceneq_core.routing.router import Router, RouterParams
 from sceneq_core.routing.scene import Revision
 
-from support.furnished import ROOM, Thing, descriptors, furnish, ids, instance, router, snapshot
+from support.furnished import (
+    ROOM,
+    Thing,
+    WordEncoder,
+    descriptors,
+    furnish,
+    ids,
+    instance,
+    router,
+    snapshot,
+)
 
 ROUTER = router()
 SURE = snapshot(noise=0.3)
@@ -156,6 +167,19 @@ def test_labels_come_with_their_gate():
     assert naming.labels[0].name == "lamp"
     assert len(naming.labels) == 3
     assert ROUTER.label(UNSURE, UNSURE.find(16)).status == "ambiguous"
+
+
+def test_scores_far_out_do_not_make_an_encoder_bolder_than_it_has_been_right():
+    encoder = WordEncoder()
+    encoder.ceiling = 0.45
+    modest = Router(RouterParams(), encoder, Labeller(named("scannet200"), encoder))
+    naming = modest.label(SURE, SURE.find(16))
+    assert naming.labels[0].name == "lamp"
+    assert naming.labels[0].p == pytest.approx(0.45)
+    assert naming.status == "ambiguous"
+    answer = modest.answer(SURE, modest.read("lamp")).answer
+    assert best(answer) == 16
+    assert (answer.status, answer.presence) == ("ambiguous", pytest.approx(0.45))
 
 
 def test_probabilities_over_instances_add_up_to_one():
