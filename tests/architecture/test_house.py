@@ -79,3 +79,13 @@ def test_the_top_level_is_the_agreed_one() -> None:
         ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False
     ).stdout.splitlines()
     assert {Path(name).parts[0] for name in listed} <= agreed
+
+
+def test_every_seam_has_a_contract_test_over_all_its_kinds() -> None:
+    from sceneq_nodes._backends import BACKENDS
+
+    texts = [path.read_text() for path in (ROOT / "tests" / "contract").glob("test_*.py")]
+    untested = {
+        seam for seam in BACKENDS if not any(f'kinds("{seam}")' in text for text in texts)
+    } - {"nodes"}  # a node is tested on the fake bus, not as a backend
+    assert not untested
