@@ -1,12 +1,15 @@
-# make demo SOURCE=<folder>   set up everything, run the folder through the live graph, ask it
+# make demo                   set up everything, run the sample through the live graph, ask it
+# make demo SOURCE=<folder>   the same with frame-NNNNNN.color.jpg, .depth.png, .pose.txt of yours
+# make furniture              optional: models for realistic rooms (Debian package, 120 MB)
 # make test                   set up everything, check and test everything
 SHELL := bash
 VENV ?= .venv
 PYTHON ?= python3
 RUN := $(abspath $(VENV))/bin
+SOURCE ?= tools/sample
 OUT ?= out/demo
 
-.PHONY: setup demo test lint unit integration wheel clean
+.PHONY: setup furniture demo test lint unit integration wheel clean
 
 setup: $(VENV)/.ready
 
@@ -18,8 +21,10 @@ $(VENV)/.ready: pyproject.toml $(wildcard deploy/*.lock)
 	@$(RUN)/python -m sceneq_nodes._assets
 	@touch $@
 
+furniture:
+	@deploy/apt-install sweethome3d-furniture
+
 demo: setup
-	@test -n "$(SOURCE)" || { echo "usage: make demo SOURCE=<folder with frame-NNNNNN.color.jpg, .depth.png, .pose.txt>"; exit 2; }
 	@$(RUN)/sceneq demo "$(SOURCE)" "$(OUT)"
 
 test: lint unit integration wheel

@@ -8,6 +8,7 @@ NODES: dict[str, str] = {
     "encoding": "sceneq_nodes.encoding:Encoding",
     "routing": "sceneq_nodes.routing:Routing",
     "reasoning": "sceneq_nodes.reasoning:Reasoning",
+    "viewer": "sceneq_nodes.viewer:Viewer",
 }
 """Node kind -> ``module:Class``; third parties add theirs by the entry-point group
 ``sceneq.nodes``."""

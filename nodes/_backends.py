@@ -13,7 +13,12 @@ from sceneq_nodes._params import ParamError, did_you_mean, validate
 
 BACKENDS: dict[str, dict[str, str]] = {
     "nodes": NODES,
-    "source": {"folder": "sceneq_nodes._folder_source:FolderSource"},
+    "source": {
+        "folder": "sceneq_nodes._folder_source:FolderSource",
+        "scannet": "sceneq_nodes._scannet_source:ScannetSource",
+        "replica": "sceneq_nodes._replica_source:ReplicaSource",
+        "tum": "sceneq_nodes._tum_source:TumSource",
+    },
     "odometry": {"kiss_icp": "sceneq_core.ingest.odometry:KissIcpOdometry"},
     "keyframes": {
         "every": "sceneq_core.ingest.keyframes:EveryNth",

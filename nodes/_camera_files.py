@@ -52,7 +52,7 @@ def read_stamps_ns(folder: Path, numbers: list[int]) -> dict[int, int]:
     """
     path = folder / STAMPS
     if not path.exists():
-        return {n: round(n * 1_000_000_000 / NOMINAL_HZ) for n in numbers}
+        return nominal_stamps_ns(numbers)
     try:
         seconds = [float(line) for line in path.read_text().split()]
     except ValueError as error:
@@ -66,6 +66,11 @@ def read_stamps_ns(folder: Path, numbers: list[int]) -> dict[int, int]:
     if not np.isfinite(stamps).all() or (np.diff(stamps) <= 0).any():
         raise ValueError(f"{path}: stamps must be finite and grow")
     return {n: round(s * 1e9) for n, s in lines.items()}
+
+
+def nominal_stamps_ns(numbers: list[int]) -> dict[int, int]:
+    """Return the capture times of frames without stamps: frame n was taken n / 30 s after 0."""
+    return {n: round(n * 1_000_000_000 / NOMINAL_HZ) for n in numbers}
 
 
 def _pinhole(rows: Array | list[list[float]]) -> Float64:

@@ -29,6 +29,22 @@ def lap_length(values: list[int]) -> int:
     return values[-1] - values[0] + step
 
 
+def check_image(path: Path, data: bytes, part: str) -> tuple[int, int]:
+    """Return the (width, height) of a complete image file of ``part`` (``color``, ``depth``).
+
+    Raises:
+        BadFileError: it is cut off or damaged, or the image of another part.
+    """
+    try:
+        header = _image_file.header(data)
+    except ValueError as error:
+        raise BadFileError(path, str(error)) from error
+    if header.is_depth != (part == "depth"):
+        what = f"{header.bits} bits a channel, {header.channels} channels"
+        raise BadFileError(path, f"{part} with {what}")
+    return header.size
+
+
 class FrameFiles:
     """Frame number and part (``color``, ``depth``, ``pose``) -> file.
 
@@ -58,16 +74,7 @@ class FrameFiles:
     def image(self, number: int, part: str) -> tuple[bytes, tuple[int, int]]:
         """Return the bytes of a complete image file and its (width, height)."""
         data = self._read(number, part)
-        try:
-            header = _image_file.header(data)
-        except ValueError as error:
-            raise BadFileError(self.path(number, part), str(error)) from error
-        if header.is_depth != (part == "depth"):
-            raise BadFileError(
-                self.path(number, part),
-                f"{part} with {header.bits} bits a channel, {header.channels} channels",
-            )
-        return data, header.size
+        return data, check_image(self.path(number, part), data, part)
 
     def pose(self, number: int) -> Float64:
         """Return the rigid T_world_camera (4, 4) of a frame."""

@@ -25,6 +25,7 @@ from sceneq_nodes._bus import QueryError, Reply, Request
 
 MAX_LISTED = 500
 LAST = 16
+LAST_WHOLE = 3
 TOP_LABELS = 20
 MAX_SHOWN_CHARS = 80
 
@@ -65,6 +66,7 @@ class FrontDoor:
         self._reason = reason
         self._health = health
         self._last: deque[Json] = deque(maxlen=LAST)
+        self._last_whole: deque[Json] = deque(maxlen=LAST_WHOLE)
 
     def instances(self, request: Request) -> Reply | None:
         """Rank instances by a question, always at once; without one list them or explain."""
@@ -131,11 +133,13 @@ class FrontDoor:
         return reply(body, "labels", ask.fmt)
 
     def last(self, request: Request) -> Reply | None:
-        """The last answers, newest first."""
+        """The last answers in short, or with ``k`` the last few as they were given."""
         ask = read_ask(request)
         if request.wildcard and ask.text:
             return None
-        return reply({"scene": self._scene, "answers": list(self._last)[::-1]}, "last", ask.fmt)
+        kept = self._last if ask.k is None else self._last_whole
+        answers = list(kept)[::-1][: ask.k]
+        return reply({"scene": self._scene, "answers": answers}, "last", ask.fmt)
 
     def _read(self, text: str) -> Question:
         try:
@@ -156,6 +160,7 @@ class FrontDoor:
         k = min(ask.k or DEFAULT_K, MAX_MATCHES)
         body = answer_json(answer, k, self._stamp(look, watch))
         best = body["instances"][:1]
+        self._last_whole.append(body)
         self._last.append(
             {
                 "query_id": body["query_id"],

@@ -23,12 +23,17 @@ class IngestSpecs:
     odometry: Spec = field(default_factory=lambda: {"kind": "kiss_icp"})
 
 
-def open_ingestor(specs: IngestSpecs) -> tuple[Source, Ingestor]:
-    """Return what ingest and ``sceneq map`` both read from; ``ValueError`` on bad input."""
+def open_source(specs: IngestSpecs) -> Source:
+    """Return the source alone; ``ValueError`` when there is no such one or it cannot be played."""
     source: Source = _build("source", specs.source)
+    return source
+
+
+def new_ingestor(source: Source, specs: IngestSpecs) -> Ingestor:
+    """Return what takes the frames of ``source`` from the first one on."""
     keyframes = _build("keyframes", specs.keyframes)
     odometry = None if source.has_poses else _build("odometry", specs.odometry)
-    return source, Ingestor(source, keyframes, odometry)
+    return Ingestor(source, keyframes, odometry)
 
 
 def _build(seam: str, spec: Mapping[str, Any]) -> Any:

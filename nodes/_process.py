@@ -40,13 +40,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(launch, RouterLaunch):
             _prepare("router")
             return run_router(launch)
-        _prepare(launch.context.node)
-        node_class = load("nodes", launch.kind)
-        params = validate(node_class.Params, launch.params)
+        return run_alone(launch)
     except (ValueError, ConnectionError) as error:
         print(f"sceneq: {error}", file=sys.stderr)
         return BAD_INPUT
-    return run(node_class, params, launch)
+
+
+def run_alone(launch: Launch) -> int:
+    """Make this process the node that ``launch`` names; return the exit code.
+
+    Raises:
+        ValueError: an unknown kind or a bad parameter.
+    """
+    _prepare(launch.context.node)
+    node_class = load("nodes", launch.kind)
+    return run(node_class, validate(node_class.Params, launch.params), launch)
 
 
 def run(node_class: type[Node], params: Any, launch: Launch) -> int:

@@ -2,6 +2,7 @@
 
 Reads   a source; sceneq/view/<scene>/delta/v1 when lossless: its ``frame_seq`` acknowledges.
 Writes  sceneq/pose/<robot>/v1 for every frame, sceneq/frame/<robot>/<sensor>/v1 for keyframes.
+Serves  sceneq/ctl/<node>/{list,move,remove,add,look}: what a simulated source lets one change.
 Rate    ``rate_hz`` frames a second, late ones at once (``frames_late``), latest wins; or, without
         a rate, as fast as the graph takes it: at most ``window`` keyframes are on their way, an
         unacknowledged one is sent again (``frames_resent``), in the end given up (``frames_lost``).
@@ -18,13 +19,14 @@ from typing import Any, ClassVar
 
 from sceneq_core.ingest.ingestor import Ingested
 from sceneq_core.ingest.source import RawFrame, Skipped
-from sceneq_nodes._bus import Bus, Context, Received
+from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
 from sceneq_nodes._images import frame_message
-from sceneq_nodes._ingesting import IngestSpecs, open_ingestor
+from sceneq_nodes._ingesting import IngestSpecs, new_ingestor, open_source
 from sceneq_nodes._pacer import Pacer
+from sceneq_nodes._source_control import VERBS, control
 from sceneq_nodes._window import Window
 from sceneq_schemas.frame import Frame, Pose
-from sceneq_schemas.topics import FRAME, POSE, VIEW_DELTA
+from sceneq_schemas.topics import CONTROL, FRAME, POSE, VIEW_DELTA
 from sceneq_schemas.view import ViewDelta
 
 log = logging.getLogger(__name__)
@@ -85,14 +87,19 @@ class Ingest:
         self._context = context
         self._pacer = Pacer(params.rate_hz) if params.rate_hz else None
         self._readers: tuple[int, int] | None = None
-        self._replays = 0
+        self._frames = self._keyframes = self._replays = 0
         self._state = "waiting"
 
     def open(self, bus: Bus) -> None:
         """Open the source; raise ``ValueError`` when it cannot be played."""
         self._bus = bus
         params = self._params
+        self._report("opening")
+        self._specs = IngestSpecs(params.source, params.keyframes, params.odometry)
+        self._source = open_source(self._specs)
         self._rewind()
+        for verb in VERBS:
+            bus.serve(CONTROL, self._control, node=self._context.node, verb=verb)
         if self._pacer is None:
             bus.subscribe(VIEW_DELTA, depth=4 * params.window, scene=self._context.scene)
         self._wait_until_s = time.monotonic() + params.wait_s
@@ -121,9 +128,8 @@ class Ingest:
 
     def _rewind(self) -> None:
         params = self._params
-        specs = IngestSpecs(params.source, params.keyframes, params.odometry)
-        source, self._ingestor = open_ingestor(specs)
-        self._raw: Iterator[RawFrame | Skipped] = source.frames()
+        self._ingestor = new_ingestor(self._source, self._specs)
+        self._raw: Iterator[RawFrame | Skipped] = self._source.frames()
         self._window: Window[Frame] = Window(params.window, params.resend_s, params.tries)
         self._frames = self._keyframes = 0
 
@@ -142,6 +148,9 @@ class Ingest:
             self._bus.count("replays")
             self._rewind()
             self._report("playing")
+
+    def _control(self, request: Request) -> Reply | None:
+        return control(self._source, request)
 
     def _is_due(self, now_s: float) -> bool:
         return self._pacer.is_due(now_s) if self._pacer else self._window.has_room()

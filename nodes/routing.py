@@ -19,17 +19,17 @@ import numpy as np
 from sceneq_core.encoding.encoder import Encoder
 from sceneq_core.mapping.delta import Instance
 from sceneq_core.reasoning.reasoner import Problem, Verdict
-from sceneq_core.routing.labels import Labeller, LabelSet, custom, named
-from sceneq_core.routing.likelihood import FIXED_TEXTS
+from sceneq_core.routing.labels import LabelSet, custom, named
 from sceneq_core.routing.router import Router, RouterParams
 from sceneq_core.routing.scene import Revision, Scene, ViewRef
 from sceneq_nodes._answer_json import Json
 from sceneq_nodes._backends import build
 from sceneq_nodes._bus import Bus, Context, QueryError, Received
+from sceneq_nodes._calibration import given_calibration
 from sceneq_nodes._convert import map_delta_from_message
 from sceneq_nodes._follow import Follower
 from sceneq_nodes._front_door import FrontDoor, Look, ReasonerError
-from sceneq_nodes._known_texts import KnownTexts
+from sceneq_nodes._new_router import new_router
 from sceneq_nodes._reason_json import problem_bytes, verdict_from_bytes
 from sceneq_schemas import topics
 from sceneq_schemas.errors import DecodeError
@@ -45,19 +45,25 @@ log = logging.getLogger(__name__)
 class RoutingParams:
     """``encoder`` must be that of the encoding node: only its texts compare with its images.
 
-    ``labels`` replaces the named ``label_set``. ``reason_timeout_s``: how long a question waits
-    for the reasoner before it is answered without.
+    ``labels`` replaces the named ``label_set``. ``calibration``: path of what ``sceneq calibrate``
+    wrote; its temperature and thresholds replace those of encoder and gate. ``reason_timeout_s``:
+    how long a question waits for the reasoner before it is answered without.
     """
 
     encoder: dict[str, Any] = field(default_factory=lambda: {"kind": "conse"})
     label_set: str = "scannet200"
     labels: tuple[str, ...] = ()
     router: RouterParams = field(default_factory=RouterParams)
+    calibration: str = ""
     reason_timeout_s: float = 10.0
 
     def __post_init__(self) -> None:
         if not 0 < self.reason_timeout_s <= 600:
             raise ValueError(f"reason_timeout_s: {self.reason_timeout_s} is not in (0, 600]")
+
+    def chosen_labels(self) -> LabelSet:
+        """Return the set of ``labels``, or the named one."""
+        return custom(self.labels) if self.labels else named(self.label_set)
 
 
 class Routing:
@@ -74,14 +80,14 @@ class Routing:
     def open(self, bus: Bus) -> None:
         """Know the labels, answer queries, then catch up with the scene."""
         self._bus = bus
-        label_set = self._label_set()
-        self._encoder: Encoder = build("encoder", self._params.encoder, ("encoder",))
-        encoder = KnownTexts(self._encoder, (*label_set.labels, *FIXED_TEXTS))
-        labeller = Labeller(label_set, encoder)
-        self._model = encoder.model_id
-        self._scene = Scene(labeller)
+        params = self._params
+        self._encoder: Encoder = build("encoder", params.encoder, ("encoder",))
+        calibration = given_calibration(params.calibration)
+        router = new_router(self._encoder, params.chosen_labels(), params.router, calibration)
+        self._model = self._encoder.model_id
+        self._scene = Scene(router.labeller)
         self._look = Look(self._scene.snapshot(), -math.inf)
-        self._serve(Router(self._params.router, encoder, labeller))
+        self._serve(router)
         self._follow()
 
     def step(self, received: Received | None) -> None:
@@ -96,10 +102,6 @@ class Routing:
 
     def close(self) -> None:
         """Nothing to release."""
-
-    def _label_set(self) -> LabelSet:
-        labels = self._params.labels
-        return custom(labels) if labels else named(self._params.label_set)
 
     def _warm_up(self) -> None:
         """Load the text tower before the first question needs it."""
@@ -221,6 +223,8 @@ class Routing:
 
     def _health(self) -> Json:
         return {
+            "robot": self._context.robot,
+            "sensor": self._context.sensor,
             "model": self._model,
             "alive": sorted(self._bus.alive()),
             "synced": {t.name: f.synced for t, f in self._followers.items()},

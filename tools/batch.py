@@ -81,11 +81,11 @@ class Batch:
             total = int(self._hub.reported[self._encoding].get("pending", 0))
             yield Stage("descriptors", total, self._encode(total))
 
-    def get(self, topic: Topic, parameters: Mapping[str, Any]) -> Reply | None:
+    def get(self, topic: Topic, parameters: Mapping[str, Any], **ids: str) -> Reply | None:
         """Ask one of the nodes, as ``collect`` does; raise ``UserError`` on an error reply."""
         try:
             said = {name: str(value) for name, value in parameters.items()}
-            replies = self._hub.ask(topic.key(scene=self.scene), said)
+            replies = self._hub.ask(topic.key(scene=self.scene, **ids), said)
         except QueryError as error:
             raise UserError(str(error)) from error
         return replies[-1] if replies else None

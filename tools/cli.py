@@ -7,7 +7,11 @@ from typing import Annotated
 
 import typer
 
-COMMANDS = ("up", "ask", "status", "check", "map", "export", "demo", "schema")
+COMMANDS = (
+    *("up", "ask", "status", "view", "viewer", "check", "map", "export", "demo"),
+    *("schema", "doctor", "bench", "synth", "calibrate"),
+)
+GROUPS = ("sim", "eval")
 USAGE = 2
 INTERRUPTED = 130
 
@@ -68,6 +72,8 @@ def _register() -> None:
         module = f"sceneq_tools.{name}_command"
         if find_spec(module) is not None:
             app.command(name)(import_module(module).run)
+    for name in GROUPS:
+        app.add_typer(import_module(f"sceneq_tools.{name}_command").app, name=name)
 
 
 _register()

@@ -3,6 +3,7 @@
 import os
 import sys
 import time
+from collections.abc import Callable
 from typing import TextIO
 
 WIDTH = 12
@@ -15,11 +16,19 @@ class Console:
 
     def __init__(self, stream: TextIO = sys.stdout) -> None:
         self._stream = stream
-        self._coloured = stream.isatty() and "NO_COLOR" not in os.environ
+        self._paint = coloured(stream)
 
     def say(self, who: str, what: str, tone: str = "") -> None:
         """Write one event of ``who``; ``tone`` is '', good, warn or bad."""
-        text = " ".join(what.split())
-        if self._coloured and tone:
-            text = f"{COLOURS[tone]}{text}{RESET}"
+        text = self._paint(" ".join(what.split()), tone)
         print(f"{time.strftime('%H:%M:%S')} {who:<{WIDTH}} {text}", file=self._stream, flush=True)
+
+
+def coloured(stream: TextIO) -> Callable[[str, str], str]:
+    """Return what paints a text in a tone ('', good, warn, bad) for ``stream``."""
+    shown = stream.isatty() and "NO_COLOR" not in os.environ
+
+    def paint(text: str, tone: str) -> str:
+        return f"{COLOURS[tone]}{text}{RESET}" if shown and tone else text
+
+    return paint

@@ -51,9 +51,9 @@ def getter(client: "Client", scene: str) -> "Get":
     """Return what ``collect`` asks with, over the network."""
     from sceneq_tools.errors import UserError
 
-    def get(topic: "Topic", parameters: Mapping[str, Any]) -> "Reply | None":
+    def get(topic: "Topic", parameters: Mapping[str, Any], **ids: str) -> "Reply | None":
         said = ";".join(f"{name}={value}" for name, value in parameters.items())
-        selector = topic.key(scene=scene) + (f"?{said}" if said else "")
+        selector = topic.key(scene=scene, **ids) + (f"?{said}" if said else "")
         replies, errors = client.get(selector, timeout_s=TIMEOUT_S)
         if errors:
             raise UserError(f"{selector}: {errors[0]}")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from sceneq_tools.export_command import Rrd, write_all
+from sceneq_tools.progress import Quiet, progress
 from sceneq_tools.up_command import NoPoses, Scene, Segmenter, Step, source_overrides
 
 if TYPE_CHECKING:
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def run(
-    source: Annotated[Path, typer.Argument(help="Folder of frames to read.")],
+    source: Annotated[Path, typer.Argument(help="Frames, or a ScanNet, Replica or TUM folder.")],
     out: Annotated[Path, typer.Argument(help="Folder to write into.")],
     graph: Annotated[
         Path | None, typer.Option(help="Default: ./graph.yaml, else the one in the package.")
@@ -27,6 +28,7 @@ def run(
     report: Annotated[
         bool, typer.Option("--report", help="Compare estimated with given poses.")
     ] = False,
+    quiet: Quiet = False,
 ) -> None:
     """Write instances.npz, instances.json, cloud.ply and instances.png of a recording."""
     from sceneq_tools.batch import Batch
@@ -34,7 +36,7 @@ def run(
 
     batch = Batch(_plan(graph, source, scene, step, no_poses, segmenter))
     try:
-        _show_progress(batch)
+        _show_progress(batch, quiet)
         write_all(collect(batch.get, batch.scene), out, rrd)
         for name, count in sorted(batch.troubles().items()):
             typer.echo(f"{name}: {count}")
@@ -63,13 +65,10 @@ def _plan(
     return plan(loaded, document, "local")
 
 
-def _show_progress(batch: "Batch") -> None:
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        for stage in batch.stages():
-            task = progress.add_task(stage.name, total=stage.total)
+def _show_progress(batch: "Batch", quiet: bool) -> None:
+    for stage in batch.stages():
+        with progress(stage.name, stage.total, quiet=quiet) as advance:
+            before = 0
             for done in stage.steps:
-                progress.update(task, completed=done)
+                advance(done - before)
+                before = done

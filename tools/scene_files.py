@@ -2,34 +2,55 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 
-from sceneq_core.arrays import Float32, Float64, Int32, UInt8
+from sceneq_core.arrays import Float32, Int32, UInt8
 from sceneq_core.mapping.digest import map_digest
 from sceneq_core.mapping.replica import MapReplica
-from sceneq_core.picture import draw_cloud, draw_labels, instance_colours, overview
+from sceneq_core.picture import instance_colours
+from sceneq_core.picture.scene import Cloud
+from sceneq_tools.errors import UserError
+from sceneq_tools.scene_picture import scene_picture, write_png
 
-LABELS_IN_PICTURE = 40
-NAMED_FROM_P = 0.3
-"""Less probable names are left out of the picture: their objects go by number."""
+ARRAYS_FILE, RECORDS_FILE = "instances.npz", "instances.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Descriptors:
+    """Descriptors (D,) by instance id, in the space of the encoder ``model``."""
+
+    model: str
+    rows: Mapping[int, Float32]
+
+    def arrays(self) -> tuple[Int32, Float32]:
+        """Return ids int32 (N,), sorted, and their descriptors float32 (N, D)."""
+        ids = sorted(self.rows)
+        stacked = np.stack([self.rows[i] for i in ids]) if ids else np.zeros((0, 0), np.float32)
+        return np.array(ids, np.int32), stacked
+
+
+def no_descriptors(model: str = "") -> Descriptors:
+    """Return what a scene without an encoder has."""
+    return Descriptors(model, {})
 
 
 @dataclass(frozen=True, slots=True)
 class SceneFiles:
     """A map ready to be written: points (N, 3) metres, colours, instance ids and their records.
 
-    ``instances`` are the records that the scene lists (id, label, p, centre, boxes, views).
+    ``instances`` are the records that the scene lists (id, label, p, centre, boxes, views);
+    ``descriptors`` what questions are answered from.
     """
 
     scene: str
     label_set: str
     replica: MapReplica
     instances: tuple[Mapping[str, Any], ...]
+    descriptors: Descriptors = field(default_factory=no_descriptors)
 
     def write(self, out: Path) -> dict[str, Any]:
         """Write all files into ``out`` and return the summary that is also in instances.json.
@@ -38,21 +59,42 @@ class SceneFiles:
             OSError: the folder cannot be made or written.
         """
         out.mkdir(parents=True, exist_ok=True)
-        points_world, rgb, instance_id = self.replica.cloud()
-        np.savez_compressed(out / "instances.npz", points=points_world, instance_id=instance_id)
-        summary = self._summary(points_world, instance_id)
-        document = {**summary, "instances": list(self.instances)}
-        (out / "instances.json").write_text(json.dumps(document, indent=1, ensure_ascii=False))
-        _write_ply(out / "cloud.ply", points_world, instance_colours(instance_id, rgb))
-        if len(points_world):
-            self._write_picture(out / "instances.png", points_world, rgb, instance_id)
-        return summary
+        cloud = self.cloud()
+        described_id, descriptor = self.descriptors.arrays()
+        np.savez_compressed(
+            out / ARRAYS_FILE,
+            points=cloud.points_world,
+            instance_id=cloud.instance_id,
+            rgb=cloud.rgb,
+            described_id=described_id,
+            descriptor=descriptor,
+        )
+        document = self.document(cloud)
+        (out / RECORDS_FILE).write_text(json.dumps(document, indent=1, ensure_ascii=False))
+        colours = instance_colours(cloud.instance_id, cloud.rgb)
+        _write_ply(out / "cloud.ply", cloud.points_world, colours)
+        if len(cloud.points_world):
+            write_png(scene_picture(cloud, document), out / "instances.png")
+        return document
+
+    def cloud(self) -> Cloud:
+        """Return the points of the map."""
+        replica = self.replica
+        return Cloud(*replica.cloud(), replica.voxel_size_m, replica.up_world)
+
+    def document(self, cloud: Cloud) -> dict[str, Any]:
+        """Return what instances.json holds: a summary and the instances."""
+        return {
+            **self._summary(cloud.points_world, cloud.instance_id),
+            "instances": list(self.instances),
+        }
 
     def _summary(self, points_world: Float32, instance_id: Int32) -> dict[str, Any]:
         coord = np.floor(points_world / self.replica.voxel_size_m).astype(np.int32)
         return {
             "scene": self.scene,
             "label_set": self.label_set,
+            "model": self.descriptors.model,
             "frame_seq": self.replica.frame_seq,
             "voxel_size_m": self.replica.voxel_size_m,
             "up_world": [round(float(x), 4) for x in self.replica.up_world],
@@ -61,27 +103,44 @@ class SceneFiles:
             "digest": map_digest(coord, points_world, instance_id),
         }
 
-    def _write_picture(
-        self, path: Path, points_world: Float32, rgb: UInt8, instance_id: Int32
-    ) -> None:
-        viewpoint = overview(points_world, self.replica.up_world)
-        colours = instance_colours(instance_id, rgb)
-        image = draw_cloud(viewpoint, points_world, colours, self.replica.voxel_size_m)
-        cv2.imwrite(str(path), draw_labels(image, viewpoint, self._labels())[..., ::-1])
 
-    def _labels(self) -> dict[str, Float64]:
-        """The likeliest names at their places: a picture with all of them is not readable."""
-        likeliest = sorted(self.instances, key=lambda record: (-record["p"], record["id"]))
-        return {
-            caption(record): np.asarray(record["centre"], np.float64)
-            for record in likeliest[:LABELS_IN_PICTURE]
-        }
+def read_scene(folder: Path) -> tuple[Cloud, dict[str, Any]]:
+    """Return points and records of a scene from a folder that was written like this.
+
+    Raises:
+        UserError: it was not, or not completely.
+    """
+    try:
+        document = json.loads((folder / RECORDS_FILE).read_text())
+        with np.load(folder / ARRAYS_FILE) as arrays:
+            points_world, instance_id = arrays["points"], arrays["instance_id"]
+            rgb = arrays["rgb"] if "rgb" in arrays else np.full(points_world.shape, 160, np.uint8)
+        up_world = np.asarray(document["up_world"], np.float64)
+        cloud = Cloud(points_world, rgb, instance_id, document["voxel_size_m"], up_world)
+    except FileNotFoundError as error:
+        hint = "write one: sceneq map RECORDING FOLDER"
+        raise UserError(f"{folder}: no {Path(error.filename).name} in it ({hint})", 2) from error
+    except (OSError, ValueError, KeyError) as error:
+        raise UserError(f"{folder}: cannot be read: {error}", 2) from error
+    return cloud, document
 
 
-def caption(record: Mapping[str, Any]) -> str:
-    """Return id and name of an instance, the name only where it is probable."""
-    named = record["p"] >= NAMED_FROM_P
-    return f"{record['id']} {record['label']}" if named else str(record["id"])
+def read_descriptors(folder: Path) -> Descriptors:
+    """Return the descriptors of a scene from a folder that was written like this.
+
+    Raises:
+        UserError: it was not, or by a version that did not keep them.
+    """
+    try:
+        document = json.loads((folder / RECORDS_FILE).read_text())
+        with np.load(folder / ARRAYS_FILE) as arrays:
+            ids, rows = arrays["described_id"].tolist(), arrays["descriptor"]
+        return Descriptors(str(document["model"]), dict(zip(ids, rows, strict=True)))
+    except KeyError as error:
+        hint = "write it anew: sceneq map RECORDING FOLDER"
+        raise UserError(f"{folder}: no descriptors: {error.args[0]!s:.80} ({hint})", 2) from error
+    except (OSError, ValueError) as error:
+        raise UserError(f"{folder}: cannot be read: {error}", 2) from error
 
 
 def _write_ply(path: Path, points_world: Float32, rgb: UInt8) -> None:

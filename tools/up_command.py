@@ -15,7 +15,9 @@ GraphFile = Annotated[
         metavar="GRAPH.YAML", help="Default: ./graph.yaml, else the one in the package."
     ),
 ]
-Source = Annotated[Path | None, typer.Option(help="Folder of frames to read.")]
+Source = Annotated[
+    Path | None, typer.Option(help="Recording to read: frames, or a ScanNet, Replica, TUM folder.")
+]
 Scene = Annotated[str | None, typer.Option(help="Default: the name of the source folder.")]
 Rate = Annotated[
     float | None, typer.Option(help="Source frames a second; 0 = as fast as the graph takes them.")
@@ -25,9 +27,21 @@ Loop = Annotated[bool, typer.Option("--loop", help="Start again at the end of th
 NoPoses = Annotated[
     bool, typer.Option("--no-poses", help="Ignore given poses, use odometry instead.")
 ]
+Sim = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ROOM", help="Simulate instead: kitchen, living_room, office, bedroom or mixed."
+    ),
+]
+Seed = Annotated[int | None, typer.Option(min=0, help="Which of these rooms; needs --sim.")]
+Viewer = Annotated[
+    str | None,
+    typer.Option(metavar="serve|FILE.rrd|URL", help="Watch it in Rerun, as sceneq viewer does."),
+]
 Segmenter = Annotated[
     str | None, typer.Option(help="Kind: rgbd, or files = masks beside the frames, ...")
 ]
+SIM_RATE_HZ = 30.0
 
 
 def run(
@@ -39,6 +53,8 @@ def run(
     loop: Loop = False,
     no_poses: NoPoses = False,
     segmenter: Segmenter = None,
+    sim: Sim = None,
+    seed: Seed = None,
     only: Annotated[
         list[str] | None, typer.Option(metavar="NODE,...", help="Only these; may be repeated.")
     ] = None,
@@ -49,6 +65,7 @@ def run(
     connect: Annotated[
         list[str] | None, typer.Option(help="Router of another machine: tcp/HOST:7447.")
     ] = None,
+    viewer: Viewer = None,
     log_dir: Annotated[
         Path | None, typer.Option(help="Default: ~/.local/state/sceneq/SCENE.")
     ] = None,
@@ -57,14 +74,18 @@ def run(
     from sceneq_tools.graph import Override, default_path, load
     from sceneq_tools.graph_check import check_nodes
     from sceneq_tools.graph_plan import need_free_port, plan
+    from sceneq_tools.viewer_option import with_viewer
 
     overrides = source_overrides(source, scene, rate, step, loop, no_poses, segmenter)
+    if sim is not None or seed is not None:
+        _need_sim_alone(sim, source, step, loop)
+        overrides = sim_overrides(str(sim), seed, scene, rate) + overrides
     if connect:
         overrides.append(Override("", ("router", "connect"), connect, "--connect"))
     loaded, document = load(graph or default_path(), overrides)
     check_nodes(loaded, document)
     names = [name for names in only or () for name in names.split(",")]
-    local = plan(loaded, document, machine, names, port)
+    local = with_viewer(plan(loaded, document, machine, names, port), viewer)
     for endpoint in local.router.listen:
         need_free_port(endpoint)
     raise typer.Exit(_launch(local, log_dir))
@@ -80,10 +101,12 @@ def source_overrides(
     segmenter: str | None,
 ) -> "list[Override]":
     """Return what the options about the source put over the graph file."""
+    from sceneq_nodes._source_kinds import kind_of
     from sceneq_tools.graph import Override
 
     given = [
         ("", ("scene",), scene, "--scene"),
+        ("ingest", ("source", "kind"), source and kind_of(source), "--source"),
         ("ingest", ("source", "path"), source and str(source.resolve()), "--source"),
         ("ingest", ("source", "step"), step, "--step"),
         ("ingest", ("source", "loop"), loop or None, "--loop"),
@@ -92,6 +115,38 @@ def source_overrides(
         ("segmentation", ("segmenter",), _segmenter(segmenter, source), "--segmenter"),
     ]
     return [Override(*override) for override in given if override[2] is not None]
+
+
+def sim_overrides(
+    room: str, seed: int | None = None, scene: str | None = None, rate: float | None = None
+) -> "list[Override]":
+    """Return what a live simulation puts over the graph file.
+
+    ``room`` is one of the kinds of rooms; ``rate`` frames a second; the scene is called after
+    the room.
+    """
+    from sceneq_tools.graph import Override
+
+    rate_hz = rate or SIM_RATE_HZ
+    source = {"kind": "sim", "room": room, "rate_hz": rate_hz}
+    if seed is not None:
+        source["seed"] = seed
+    return [
+        Override("", ("scene",), scene or room, "--sim"),
+        Override("ingest", ("source",), source, "--sim"),
+        Override("ingest", ("rate_hz",), rate_hz, "--rate"),
+    ]
+
+
+def _need_sim_alone(sim: str | None, source: Path | None, step: int | None, loop: bool) -> None:
+    """Refuse what says nothing about a simulation."""
+    from sceneq_tools.errors import UserError
+
+    if sim is None:
+        raise UserError("--seed says which simulated room: say --sim ROOM too", 2)
+    given = {"--source": source is not None, "--step": step is not None, "--loop": loop}
+    if clash := [option for option, is_given in given.items() if is_given]:
+        raise UserError(f"--sim and {', '.join(clash)}: a simulation is no recording", 2)
 
 
 def _segmenter(kind: str | None, source: Path | None) -> dict[str, str] | None:

@@ -1,8 +1,8 @@
 """The seam between ingest and recordings, cameras or robots."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from sceneq_core.arrays import Float64, UInt8, UInt16
 
@@ -46,6 +46,14 @@ class RawFrame:
     read_depth_mm: Callable[[], UInt16 | Skipped]
 
 
+class RefusedError(ValueError):
+    """What a source will not do, and ``hint``: what it would."""
+
+    def __init__(self, message: str, hint: str = "") -> None:
+        super().__init__(message)
+        self.hint = hint
+
+
 class Source(Protocol):
     """An RGB-D stream.
 
@@ -62,3 +70,15 @@ class Source(Protocol):
 
     def frames(self) -> Iterator[RawFrame | Skipped]:
         """Yield the frames in capture order; a bad one as ``Skipped``, never as an exception."""
+
+    def control(self, verb: str, arguments: Mapping[str, str]) -> dict[str, Any]:
+        """Change what is in front of the camera, as ``move`` with ``{"thing": "mug", ...}`` does.
+
+        May be called on any thread; takes effect between two frames.
+
+        Returns:
+            What was done, in values that JSON knows.
+
+        Raises:
+            RefusedError: this source cannot be changed at all, or not like that.
+        """

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sceneq_core.arrays import Float64
+from sceneq_core.arrays import Bool, Float64
 from sceneq_core.checks import need_within
 
 
@@ -48,6 +48,17 @@ class GateParams:
     def __post_init__(self) -> None:
         need_within(self, 0, 1, "min_p", "min_margin", "max_entropy_norm", "clear_margin")
 
+    def passes(
+        self,
+        p_max: float | Float64,
+        margin: float | Float64,
+        entropy_norm: float | Float64,
+    ) -> bool | Bool:
+        """Return whether one guess passes, or which of many when the measures are arrays (N,)."""
+        sure = (p_max >= self.min_p) & (margin >= self.min_margin)
+        clear = (entropy_norm <= self.max_entropy_norm) | (margin >= self.clear_margin)
+        return sure & clear
+
 
 class Gate:
     """Decides between the fast path and the reasoner; monotone in all three measures."""
@@ -57,15 +68,8 @@ class Gate:
 
     def accepts(self, confidence: Confidence) -> bool:
         """Return whether the first guess may be the answer."""
-        limits = self.params
-        return (
-            confidence.p_max >= limits.min_p
-            and confidence.margin >= limits.min_margin
-            and (
-                confidence.entropy_norm <= limits.max_entropy_norm
-                or confidence.margin >= limits.clear_margin
-            )
-        )
+        measures = confidence.p_max, confidence.margin, confidence.entropy_norm
+        return bool(self.params.passes(*measures))
 
 
 def softmax(scores: Float64, temperature: float) -> Float64:

@@ -90,10 +90,7 @@ class Router:
         if not len(snapshot):
             return Routed(_empty(snapshot, question), enough=True, presence=0.0, problem=None)
         # s = cos(instance, words) and p = softmax(s / T), for the target and every anchor.
-        fits = {
-            words: self._likelihood.fit(snapshot, wanted)
-            for words, wanted in question.wanted.items()
-        }
+        fits = self.fits(snapshot, question)
         target = fits[question.phrase.target]
         # The gate: p_max, margin and normalised entropy of the target's p.
         confidence = Confidence.of(target.p, self._temperature)
@@ -116,6 +113,11 @@ class Router:
             presence=min(fit.presence for fit in fits.values()),
             problem=pose_problem(snapshot, question, fits, self.params.top_k),
         )
+
+    def fits(self, snapshot: SceneSnapshot, question: Question) -> dict[str, Fit]:
+        """Return how well every thing a question speaks of fits the instances; one at least."""
+        wanted = question.wanted.items()
+        return {words: self._likelihood.fit(snapshot, thing) for words, thing in wanted}
 
     def conclude(self, snapshot: SceneSnapshot, routed: Routed, verdict: Verdict) -> Answer:
         """Return the reasoner's answer; it may be bold only where the encoder knows the thing.

@@ -39,10 +39,11 @@ class ViewSelector:
     instances concerned. All but the first touch only what the change touched.
     """
 
-    def __init__(self, params: ViewParams | None = None) -> None:
+    def __init__(self, params: ViewParams | None = None, places: Places | None = None) -> None:
+        """Take what says which place a pixel shows; by default its voxel does."""
         self._params = params or ViewParams()
         self._replica = MapReplica()
-        self._places = Places()
+        self._places = Places() if places is None else places
         self._instance_of_place: Int32 = np.zeros(1, np.int32)
         self._sightings: dict[int, Sightings] = {}
         self._view_sets: dict[int, ViewSet] = {}

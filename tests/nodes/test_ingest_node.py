@@ -1,20 +1,24 @@
 """The ingest node on a bus in memory, with a clock that the tests move."""
 
+import json
 import logging
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from sceneq_core.ingest.source import RawFrame
+from sceneq_core.ingest.source import Camera, RawFrame, RefusedError
 from sceneq_nodes import ingest as ingest_module
+from sceneq_nodes._bus import QueryError
 from sceneq_nodes._images import frame_from_message
-from sceneq_nodes._ingesting import IngestSpecs, open_ingestor
+from sceneq_nodes._ingesting import IngestSpecs, new_ingestor, open_source
 from sceneq_nodes.ingest import Ingest, IngestParams
 from sceneq_nodes.mapping import MappingParams
 from sceneq_nodes.segmentation import SegmentationParams
 from sceneq_nodes.views import ViewsParams
-from sceneq_schemas.topics import FRAME, POSE, VIEW_DELTA
+from sceneq_schemas.topics import CONTROL, FRAME, POSE, VIEW_DELTA
 from sceneq_schemas.view import ViewDelta
 
 from support.fake_bus import FakeBus
@@ -180,7 +184,8 @@ def test_streamed_keyframes_equal_those_of_a_single_process(folder: Path, clock:
     node, bus = opened(folder, window=9)
     start(bus, node)
     specs = IngestSpecs({"kind": "folder", "path": str(folder)}, {"kind": "every", "every": 2})
-    source, ingestor = open_ingestor(specs)
+    source = open_source(specs)
+    ingestor = new_ingestor(source, specs)
     direct = [ingestor.ingest(raw).keyframe for raw in source.frames() if isinstance(raw, RawFrame)]
     streamed = [frame_from_message(message) for message in bus.sent(FRAME)]
     for ours, theirs in zip(filter(None, direct), streamed, strict=True):
@@ -261,6 +266,74 @@ def test_a_source_that_cannot_be_opened_is_a_value_error(
 ) -> None:
     with pytest.raises(ValueError, match=message):
         opened(folder, source=source)
+
+
+class Box:
+    """A source with one thing in it, which can be painted."""
+
+    name = "box"
+    has_poses = True
+    T_color_depth = np.eye(4)
+
+    def __init__(self) -> None:
+        self.color_camera = self.depth_camera = Camera(np.eye(3), (4, 3))
+        self.painted: list[dict[str, str]] = []
+
+    def frames(self) -> Iterator[RawFrame]:
+        return iter(())
+
+    def control(self, verb: str, arguments: Mapping[str, str]) -> dict[str, Any]:
+        if verb == "remove":
+            raise RefusedError("it is nailed down", "paint it")
+        self.painted.append(dict(arguments))
+        return {"verb": verb, **arguments}
+
+
+@pytest.fixture
+def box(monkeypatch: pytest.MonkeyPatch, folder: Path) -> tuple[Box, FakeBus]:
+    box = Box()
+    monkeypatch.setattr(ingest_module, "open_source", lambda _: box)
+    return box, opened(folder)[1]
+
+
+def test_a_source_is_changed_by_parameters_or_by_json(box: tuple[Box, FakeBus]) -> None:
+    source, bus = box
+    reply = bus.query(CONTROL, verb="move", parameters={"thing": "mug", "onto": "desk"})
+    assert json.loads(reply.payload) == {"verb": "move", "thing": "mug", "onto": "desk"}
+    assert reply.encoding == "application/json;sceneq.control.v1"
+    bus.query(CONTROL, verb="move", parameters={"thing": "mug"}, payload=b'{"thing": 17}')
+    assert source.painted[1:] == [{"thing": "17"}]
+
+
+def test_a_wildcard_changes_nothing(box: tuple[Box, FakeBus]) -> None:
+    source, bus = box
+    assert bus.query(CONTROL, verb="move", parameters={"thing": "mug"}, wildcard=True) is None
+    assert bus.query(CONTROL, verb="list", wildcard=True) is not None
+    assert source.painted == [{}]
+
+
+@pytest.mark.parametrize(
+    ("verb", "payload", "code", "hint"),
+    [
+        ("remove", b"", "refused", "paint it"),
+        ("move", b"{", "bad_request", '{"thing": "mug"}'),
+        ("move", b"[1]", "bad_request", '{"thing": "mug"}'),
+        ("move", b'{"thing": {}}', "bad_request", '{"thing": "mug"}'),
+    ],
+)
+def test_what_cannot_be_done_is_an_error_with_a_hint(
+    box: tuple[Box, FakeBus], verb: str, payload: bytes, code: str, hint: str
+) -> None:
+    with pytest.raises(QueryError) as caught:
+        box[1].query(CONTROL, verb=verb, payload=payload)
+    assert (caught.value.code, caught.value.hint) == (code, hint)
+
+
+def test_a_recording_cannot_be_changed(folder: Path, clock: Clock) -> None:
+    _, bus = opened(folder)
+    with pytest.raises(QueryError, match="a recording cannot be changed") as caught:
+        bus.query(CONTROL, verb="remove", parameters={"thing": "mug"})
+    assert "sceneq up --sim" in caught.value.hint
 
 
 @pytest.mark.parametrize(

@@ -297,6 +297,7 @@ def test_labels_and_status(bus):
     status = ask(bus, QUERY_STATUS)
     assert status["synced"] == {"map_delta": True, "view_delta": True, "feature_delta": True}
     assert status["alive"] == ["test"]
+    assert (status["robot"], status["sensor"]) == ("r1", "cam")
     assert bus.reported["answerable"] == 16
 
 
@@ -307,6 +308,13 @@ def test_last_answers_are_kept_newest_first_and_bounded(bus):
     assert len(answers) == 16
     assert answers[0]["question"] == "lamp number 19"
     assert len(json.dumps(answers)) < 4096
+
+
+def test_the_last_few_answers_are_told_as_they_were_given(bus):
+    given = [ask(bus, QUERY_INSTANCES, f"lamp number {number}") for number in range(5)]
+    told = ask(bus, QUERY_LAST, k="2")["answers"]
+    assert told == given[:-3:-1]
+    assert len(ask(bus, QUERY_LAST, k="9")["answers"]) == 3
 
 
 def test_a_relation_is_reasoned(bus):

@@ -42,11 +42,12 @@ def write_graph(folder: Path, recording: Path, segmenter: str = "files") -> Path
 class LiveGraph:
     """A running graph; ``run`` types a command beside it."""
 
-    def __init__(self, graph: Path, recording: Path, runtime: Path, *options: str) -> None:
+    def __init__(self, graph: Path, recording: Path | None, runtime: Path, *options: str) -> None:
         self.port = free_port()
         self.endpoint = f"tcp/127.0.0.1:{self.port}"
         self.log = graph.parent / f"up-{self.port}.log"
-        command = ["up", str(graph), "--source", str(recording), "--port", str(self.port)]
+        source = ["--source", str(recording)] if recording else []
+        command = ["up", str(graph), *source, "--port", str(self.port)]
         with self.log.open("wb") as log:
             self.process = subprocess.Popen(
                 [sys.executable, "-m", "sceneq_tools", *command, *options],

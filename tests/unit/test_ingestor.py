@@ -1,7 +1,8 @@
 """From source frames to keyframes."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from sceneq_core.frame import depth_to_mm
 from sceneq_core.ingest.ingestor import Ingested, Ingestor
 from sceneq_core.ingest.keyframes import EveryNth, EveryNthParams
-from sceneq_core.ingest.source import Camera, RawFrame, Skipped
+from sceneq_core.ingest.source import Camera, RawFrame, RefusedError, Skipped
 from sceneq_core.ingest.trajectory import color_trajectory
 
 from support.seven_scenes import SIZE, K, color, depth_mm, pose
@@ -28,6 +29,9 @@ class Memory:
 
     def frames(self) -> Iterator[RawFrame | Skipped]:
         return map(self.frame, range(6))
+
+    def control(self, verb: str, arguments: Mapping[str, str]) -> dict[str, Any]:
+        raise RefusedError("memory stays as it is")
 
     def frame(self, number: int) -> RawFrame:
         def read(what: str, image: np.ndarray) -> np.ndarray:

@@ -57,13 +57,17 @@ class Light:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Room:
-    """Everything that is rendered; ``size_m`` is (width, depth, height)."""
+    """Everything that is rendered; ``size_m`` is (width, depth, height).
+
+    ``next_id`` goes to the next new thing: ids of removed things are not given out again.
+    """
 
     kind: str
     seed: int
     size_m: tuple[float, float, float]
     things: tuple[Thing, ...]
     lights: tuple[Light, ...]
+    next_id: int = 0
 
     def thing(self, thing_id: int) -> Thing:
         """Return the thing with this id; raise ``KeyError`` when there is none."""

@@ -1,0 +1,1 @@
+"""Measures of a map and its answers against the truth: instances, ranking, calibration."""

@@ -1,0 +1,267 @@
+"""What benches measure and how it is told; how fast anything is, is not asked here."""
+
+import json
+import os
+import sys
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sceneq_core.ingest.source import Camera
+from sceneq_tools import bench_command, cli
+from sceneq_tools.bench import registry, render, report, stages
+from sceneq_tools.bench.codec import CODECS, codec, synthetic_frame
+from sceneq_tools.bench.measurement import (
+    Measurement,
+    Options,
+    latency,
+    median,
+    p99,
+    samples_ms,
+)
+from sceneq_tools.bench.query_server import options_from, text_from
+from sceneq_tools.bench.reference import fixed_work, fixed_work_ms
+from sceneq_tools.bench.stopwatch import Stopwatch
+from sceneq_tools.errors import UserError
+
+BRIEF = Options(seconds=0.001, quiet=True)
+Outcome = tuple[int, str, str]
+
+
+def test_a_measurement_stands_beside_its_reference() -> None:
+    assert Measurement("a", 3.0, "ms", "copy", 2.0).ratio == 1.5
+    assert Measurement("a", 3.0, "ms").ratio is None
+    ups = [
+        unit
+        for unit in ("ms", "MB", "frames/s", "MB/s")
+        if Measurement("a", 1, unit).more_is_better
+    ]
+    assert ups == ["frames/s", "MB/s"]
+
+
+@pytest.mark.parametrize(("name", "value"), [("seconds", 0.0), ("frames", 0)])
+def test_options_that_make_no_sense_are_named(name: str, value: float) -> None:
+    with pytest.raises(ValueError, match=name):
+        Options(**{name: value})
+
+
+def test_options_travel_to_another_process() -> None:
+    options = Options(Path("/rooms/a b"), Path("graph.yaml"), 0.5, 7, True)
+    assert options_from(text_from(options)) == options
+    assert options_from(text_from(Options())) == Options()
+
+
+def test_samples_are_taken_until_time_and_number_suffice() -> None:
+    calls = []
+    taken = samples_ms(lambda: calls.append(1), seconds=1e-9, warm_ups=2, least=3)
+    assert len(taken) == 3
+    assert len(calls) == 5
+    assert all(one >= 0 for one in taken)
+
+
+def test_latency_is_median_and_tail() -> None:
+    taken = [1.0] * 98 + [2.0, 100.0]
+    assert median(taken) == 1.0
+    assert p99(taken) == pytest.approx(2.98)
+    both = latency("get", taken, "tcp", [0.5] * 10)
+    assert [(one.name, one.unit, one.reference) for one in both] == [
+        ("get p50", "ms", 0.5),
+        ("get p99", "ms", 0.5),
+    ]
+
+
+def test_the_reference_work_is_always_the_same() -> None:
+    assert fixed_work() == fixed_work()
+    assert fixed_work_ms(0.001) > 0
+
+
+def test_every_codec_is_measured() -> None:
+    measured = list(codec(BRIEF))
+    names = {f"{name}, {what}" for name in CODECS for what in ("size", "encode", "decode")}
+    assert {one.name for one in measured} == names
+    assert all(one.value > 0 and one.ratio for one in measured)
+    sizes_mb = [one.value for one in measured if one.unit == "MB"]
+    assert sizes_mb[0] > 1.5  # raw pixels
+    assert max(sizes_mb[1:]) < 1.0
+
+
+def test_the_frame_that_is_coded_looks_like_one() -> None:
+    frame = synthetic_frame()
+    assert frame.rgb.shape == (480, 640, 3)
+    assert 0.08 < (frame.depth_m == 0).mean() < 0.12
+    assert 1.0 < np.median(frame.depth_m) < 5.0
+    assert (synthetic_frame().depth_m == frame.depth_m).all()
+
+
+def test_a_stopwatch_times_what_it_watches_and_leaves_no_trace() -> None:
+    owner = import_module("sceneq_tools.bench.reference")
+    plain = owner.fixed_work
+    stopwatch = Stopwatch()
+    with stopwatch.watching({"work": "sceneq_tools.bench.reference:fixed_work"}):
+        results = [owner.fixed_work(), owner.fixed_work()]
+    assert owner.fixed_work is plain
+    assert results == [fixed_work()] * 2
+    assert len(stopwatch.taken_ms["work"]) == 2
+
+
+def test_a_stopwatch_lets_exceptions_pass_and_names_what_is_not_there() -> None:
+    stopwatch = Stopwatch()
+    with (
+        stopwatch.watching({"read": "sceneq_tools.bench.report:read_baseline"}),
+        pytest.raises(UserError),
+    ):
+        report.read_baseline(Path("/no/such/file"))
+    assert len(stopwatch.taken_ms["read"]) == 1
+    with pytest.raises(AttributeError, match="no_such"):
+        stopwatch._watch("x", "sceneq_tools.bench.report:no_such")
+
+
+def test_everything_that_is_watched_exists() -> None:
+    for target in {**stages.NODES, **stages.PARTS, **stages.KEYFRAMES}.values():
+        module, _, path = target.partition(":")
+        owner = import_module(module)
+        for name in path.split("."):
+            owner = getattr(owner, name)
+        assert callable(owner)
+
+
+def test_growth_compares_the_last_third_with_the_first() -> None:
+    assert list(stages.growth([1.0, 2.0])) == []
+    (growth,) = stages.growth([1.0, 1.0, 9.0, 9.0, 3.0, 3.0])
+    assert growth.ratio == 3.0
+
+
+def test_every_bench_can_be_loaded() -> None:
+    assert all(callable(registry.load(name)) for name in registry.BENCHES)
+    assert set(registry.BENCHES) >= registry.NEED_SOURCE
+
+
+def test_frames_a_second_are_over_all_frames() -> None:
+    ms, per_s = render.frames("frame", [100.0, 100.0, 400.0], 10.0)
+    assert (ms.value, ms.ratio) == (100.0, 10.0)
+    assert (per_s.value, per_s.reference) == (5.0, 100.0)
+
+
+def test_every_pose_is_rendered_once_after_a_warm_up() -> None:
+    seen: list[int] = []
+    poses = [np.full((4, 4), i) for i in range(3)]
+    taken_ms, busy_ms = render.looks(lambda pose: seen.append(int(pose[0, 0])), poses, quiet=True)
+    assert len(taken_ms) == len(busy_ms) == 3
+    assert seen == [0, 0, 1, 2]
+
+
+def test_work_on_few_cores_ends_on_all() -> None:
+    usable = os.sched_getaffinity(0)
+    with render.on_cores(1):
+        assert len(os.sched_getaffinity(0)) == 1
+    assert os.sched_getaffinity(0) == usable
+
+
+def test_the_cube_fills_the_middle_of_the_picture() -> None:
+    camera = Camera(np.array([[32.0, 0, 31.5], [0, 32.0, 23.5], [0, 0, 1]]), (64, 48))
+    distance_m = render.cube_cast(camera)()["t_hit"].numpy()
+    hit = np.isfinite(distance_m)
+    assert hit[24, 32]
+    assert not hit[0, 0]
+    assert 0.1 < hit.mean() < 0.5
+
+
+RESULTS = {
+    "bus": [Measurement("get p50", 0.5, "ms", "tcp", 0.1), Measurement("lost", 0.0, "frames")],
+    "render": [Measurement("frame", 6.0, "frames/s", "cube", 60.0)],
+}
+
+
+def test_rows_show_value_reference_and_ratio() -> None:
+    assert list(report.rows(RESULTS)) == [
+        ("bus", "get p50", "0.5 ms", "tcp: 0.1", "5x"),
+        ("bus", "lost", "0 frames", "", ""),
+        ("render", "frame", "6 frames/s", "cube: 60", "0.1x"),
+    ]
+    assert report.figures(1234.5) == "1234"
+
+
+def test_a_baseline_is_compared_by_ratios(tmp_path: Path) -> None:
+    path = tmp_path / "then.json"
+    path.write_text(json.dumps(report.as_json(RESULTS)))
+    then = report.read_baseline(path)
+    told = [row[-1] for row in report.rows(RESULTS, then)]
+    assert told == ["1.00x better", "same", "1.00x better"]
+    # Twice as slow on a machine that is twice as slow: no change.
+    assert report.compared("bus", Measurement("get p50", 1.0, "ms", "tcp", 0.2), then) == (
+        "1.00x better"
+    )
+    slower = Measurement("get p50", 1.0, "ms", "tcp", 0.1)
+    assert report.compared("bus", slower, then) == "2.00x worse"
+    faster = Measurement("frame", 12.0, "frames/s", "cube", 60.0)
+    assert report.compared("render", faster, then) == "2.00x better"
+    assert report.compared("bus", Measurement("lost", 3.0, "frames"), then) == "was 0"
+    assert report.compared("bus", Measurement("other", 3.0, "ms"), then) == "new"
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"schema": "other", "measurements": []}'])
+def test_a_file_that_is_no_baseline_is_named(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "then.json"
+    path.write_text(text)
+    with pytest.raises(UserError, match=r"then\.json"):
+        report.read_baseline(path)
+
+
+def test_json_tells_the_machine() -> None:
+    document = report.as_json(RESULTS)
+    assert document["schema"] == "sceneq.bench.v1"
+    assert document["machine"]["cores"] >= 1
+    assert set(document["machine"]) == {"cores", "processor", "system", "python"}
+    assert document["measurements"][0] == {
+        "bench": "bus",
+        "name": "get p50",
+        "value": 0.5,
+        "unit": "ms",
+        "beside": "tcp",
+        "reference": 0.1,
+        "ratio": 5.0,
+    }
+
+
+@pytest.fixture
+def run(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., Outcome]:
+    def run_bench(*arguments: str) -> Outcome:
+        monkeypatch.setattr(sys, "argv", ["sceneq", "bench", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        return int(ended.value.code or 0), *capsys.readouterr()
+
+    return run_bench
+
+
+def test_the_command_prints_writes_and_compares(
+    run: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    path = str(tmp_path / "codec.json")
+    code, out, err = run("codec", "--seconds", "0.01", "--json", path)
+    assert (code, err) == (0, "bench: 1 stages\n" + err.splitlines(True)[-1])
+    assert "jpeg + zstd, encode" in out
+    assert len(json.loads(Path(path).read_text())["measurements"]) == 15
+    code, out, err = run("codec", "--seconds", "0.01", "--baseline", path, "--quiet")
+    assert (code, err) == (0, "")
+    assert "against baseline" in out
+    assert "better" in out
+
+
+def test_wrong_stages_and_missing_recordings_are_one_line(
+    run: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bench_command, "sample", lambda: None)
+    code, out, err = run("coffee")
+    assert (code, out) == (2, "")
+    assert err.startswith("sceneq: no stage named 'coffee'")
+    code, out, err = run("stages", "--quiet", "--seconds", "0.01")
+    assert (code, out) == (2, "")
+    assert err == "sceneq: a folder of frames is needed: --source FOLDER\n"
+    assert bench_command._chosen([], None) == ["codec", "bus", "render"]
+    assert bench_command._chosen([], Path("room")) == list(registry.BENCHES)

@@ -1,0 +1,88 @@
+"""A calibration on disk: what is in it, what is refused, and what it changes."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sceneq_core.routing.gate import GateParams
+from sceneq_core.routing.labels import custom, named
+from sceneq_core.routing.router import RouterParams
+from sceneq_nodes._calibration import Calibration, given_calibration, read_calibration
+from sceneq_nodes._new_router import new_router
+
+from support.furnished import WordEncoder, snapshot
+
+GATE = GateParams(min_p=0.4, min_margin=0.1, max_entropy_norm=0.6, clear_margin=0.3)
+CALIBRATION = Calibration("words", 0.07, GATE, ("a" * 64,))
+
+
+@pytest.fixture(autouse=True)
+def _own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+
+def write(folder: Path, document: object) -> Path:
+    path = folder / "calibration.json"
+    path.write_text(json.dumps(document))
+    return path
+
+
+def test_what_is_written_is_read_again(tmp_path):
+    document = {**CALIBRATION.as_dict(), "date": "today", "recordings": ["room"]}
+    assert read_calibration(write(tmp_path, document)) == CALIBRATION
+    assert given_calibration("") is None
+
+
+@pytest.mark.parametrize(
+    ("changes", "complaint"),
+    [
+        ({"format": "other"}, "format"),
+        ({"encoder": 7}, "encoder"),
+        ({"temperature": "warm"}, "temperature: expected a number"),
+        ({"temperature": True}, "temperature: expected a number"),
+        ({"temperature": 0}, "temperature: must be positive"),
+        ({"gate": []}, "gate"),
+        ({"gate": {"min_p": 0.5}}, r"gate\.min_margin"),
+        ({"gate": {**CALIBRATION.as_dict()["gate"], "min_p": 1.5}}, "min_p"),
+        ({"sha256": "abc"}, "sha256"),
+    ],
+)
+def test_a_bad_field_is_named_with_its_file(tmp_path, changes, complaint):
+    path = write(tmp_path, {**CALIBRATION.as_dict(), **changes})
+    with pytest.raises(ValueError, match=rf"calibration\.json: {complaint}"):
+        read_calibration(path)
+
+
+def test_a_file_that_is_missing_or_no_object_is_named(tmp_path):
+    with pytest.raises(ValueError, match=r"nothing\.json: cannot be read"):
+        given_calibration(str(tmp_path / "nothing.json"))
+    with pytest.raises(ValueError, match=r"calibration\.json: format"):
+        read_calibration(write(tmp_path, [1]))
+    (tmp_path / "broken.json").write_text("{")
+    with pytest.raises(ValueError, match=r"broken\.json: Expecting"):
+        read_calibration(tmp_path / "broken.json")
+
+
+def test_the_router_takes_temperature_and_thresholds():
+    router = new_router(WordEncoder(), named("scannet200"), RouterParams(), CALIBRATION)
+    assert router.params.judge.gate == GATE
+    confidence = router.answer(snapshot(), router.read("lamp")).answer.confidence
+    assert confidence.temperature == router.labeller.temperature == 0.07
+    colder = new_router(WordEncoder(), named("scannet200"), RouterParams())
+    usual = colder.answer(snapshot(), colder.read("lamp")).answer.confidence
+    assert confidence.p_max > usual.p_max  # T was 0.1
+
+
+def test_another_encoder_is_refused():
+    other = Calibration("siglip", 0.07, GATE)
+    with pytest.raises(ValueError, match="made for the encoder 'siglip', this one is 'words'"):
+        new_router(WordEncoder(), custom(("lamp",)), RouterParams(), other)
+
+
+def test_the_vectors_stay_those_of_the_encoder():
+    tempered = CALIBRATION.of_encoder(WordEncoder())
+    plain = WordEncoder().encode_texts(["lamp"])
+    assert np.array_equal(tempered.encode_texts(["lamp"]), plain)
+    assert (tempered.dim, tempered.ceiling) == (256, 1.0)

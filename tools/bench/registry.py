@@ -1,0 +1,24 @@
+"""The benches there are. To add one: a module with its function, and a line here."""
+
+from collections.abc import Callable, Iterator, Mapping
+from importlib import import_module
+
+from sceneq_tools.bench.measurement import Measurement, Options
+
+Bench = Callable[[Options], Iterator[Measurement]]
+
+BENCHES: Mapping[str, str] = {
+    "codec": "sceneq_tools.bench.codec:codec",
+    "bus": "sceneq_tools.bench.bus:bus",
+    "render": "sceneq_tools.bench.render:render",
+    "stages": "sceneq_tools.bench.stages:stages",
+    "query": "sceneq_tools.bench.query:query",
+}
+NEED_SOURCE = frozenset({"stages", "query"})
+
+
+def load(name: str) -> Bench:
+    """Return the bench of that name."""
+    module, _, function = BENCHES[name].partition(":")
+    bench: Bench = getattr(import_module(module), function)
+    return bench

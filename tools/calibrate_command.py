@@ -1,0 +1,48 @@
+"""``sceneq calibrate``: temperature and thresholds for an encoder, from recordings with truth."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from sceneq_tools.evaluation.calibration_command import Recordings
+from sceneq_tools.evaluation.retrieval_command import GraphFile
+from sceneq_tools.progress import Quiet
+
+
+def run(
+    recordings: Recordings,
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="What to write.")] = Path(
+        "calibration.json"
+    ),
+    graph: GraphFile = None,
+    fit_on: Annotated[
+        str, typer.Option("--fit", help="T fits questions, labels or both.")
+    ] = "both",
+    date: Annotated[
+        str, typer.Option(help="Written into the file as it is, such as 2026-11-22.")
+    ] = "",
+    quiet: Quiet = False,
+) -> None:
+    """Fit temperature and gate on the true instances of recordings; test them on others.
+
+    The file goes into the graph: nodes, routing, params, calibration: calibration.json
+    """
+    from sceneq_tools.errors import UserError
+    from sceneq_tools.evaluation.calibration_command import print_calibration, read_scenes
+    from sceneq_tools.evaluation.calibration_fit import TASKS, fit
+    from sceneq_tools.evaluation.instances_command import write_json
+    from sceneq_tools.evaluation.retrieval_setup import open_setup
+
+    if fit_on not in TASKS:
+        raise UserError(f"--fit {fit_on!r}: expected one of {', '.join(TASKS)}", 2)
+    setup = open_setup(graph)
+    try:
+        fitted = fit(read_scenes(recordings, setup, quiet), setup, fit_on)
+    except ValueError as error:
+        raise UserError(f"nothing to fit to: {error}") from error
+    for name, report in (("before", fitted.before), ("after", fitted.after)):
+        typer.echo(f"{name}, on the data it was fitted on")
+        print_calibration(report)
+    write_json({**fitted.as_dict(), "date": date}, out)
+    typer.echo(f"T {fitted.calibration.temperature:g}, {fitted.calibration.gate} -> {out}")

@@ -1,0 +1,1 @@
+"""The evaluator: readers of predictions and truth, protocols, and reports."""

@@ -1,0 +1,102 @@
+"""First guesses with the probabilities behind them, in the two directions of the router."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sceneq_core.arrays import Bool, Float64
+from sceneq_core.evaluation.gate_decisions import Decisions
+from sceneq_core.evaluation.ranking import hit_at
+from sceneq_core.routing.answer import NOT_FOUND
+from sceneq_core.routing.gate import Confidence
+from sceneq_core.routing.labels import Labeller
+from sceneq_core.routing.router import Router
+from sceneq_tools.evaluation.retrieval_candidates import Candidates
+from sceneq_tools.evaluation.retrieval_queries import Query
+from sceneq_tools.evaluation.true_things import TrueThing
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Guess:
+    """A distribution ``p`` (C,) over the choices of ``what``, and which ``is_right`` (C,).
+
+    Nothing is right when there is no such thing among the choices.
+    """
+
+    what: str
+    p: Float64
+    is_right: Bool
+
+    @property
+    def has_answer(self) -> bool:
+        """Whether any choice is right."""
+        return bool(self.is_right.any())
+
+    @property
+    def is_top_right(self) -> bool:
+        """Whether the most probable choice is right; of equal ones the first counts."""
+        return bool(self.is_right[int(np.argmax(self.p))])
+
+
+def question_guesses(
+    router: Router, candidates: Candidates, queries: Iterable[Query]
+) -> list[Guess]:
+    """Return for every question the probability of each candidate to be meant.
+
+    Questions with a relation are left out: the encoder's first guess never decides those.
+    """
+    ids = [one.instance_id for one in candidates.snapshot.instances]
+    guesses = []
+    for query in queries:
+        question = router.read(query.text)
+        if question.phrase.constraints or not ids:
+            continue
+        fit = router.fits(candidates.snapshot, question)[question.phrase.target]
+        guesses.append(Guess(query.text, fit.p, np.isin(ids, _right(candidates, query))))
+    return guesses
+
+
+def first_answer(router: Router, candidates: Candidates, query: Query) -> tuple[bool, bool]:
+    """Return whether the router answers without a reasoner, and whether that would be right."""
+    routed = router.answer(candidates.snapshot, router.read(query.text))
+    if query.is_absent or routed.answer.status == NOT_FOUND:
+        return routed.enough, query.is_absent and routed.answer.status == NOT_FOUND
+    best = [match.instance.instance_id for match in routed.answer.matches[:1]]
+    return routed.enough, hit_at(best, _right(candidates, query), 1)
+
+
+def label_guesses(
+    labeller: Labeller, candidates: Candidates, things: Iterable[TrueThing]
+) -> list[Guess]:
+    """Return for every true thing among the candidates the probability of each label.
+
+    Things whose names are all outside the label set are left out.
+    """
+    labels = [label.lower() for label in labeller.label_set.labels]
+    named = {thing.id: {name.lower() for name in thing.names} for thing in things}
+    scores = labeller.scores(candidates.snapshot.descriptors)
+    guesses = []
+    for instance, row in zip(candidates.snapshot.instances, scores, strict=True):
+        names = named[instance.instance_id]
+        is_right = np.array([label in names for label in labels])
+        if is_right.any():
+            guesses.append(Guess("/".join(sorted(names)), labeller.distribution(row), is_right))
+    return guesses
+
+
+def decisions(guesses: Sequence[Guess]) -> Decisions:
+    """Return what the gate sees of the guesses."""
+    seen = [Confidence.of(guess.p, 1.0) for guess in guesses]
+    return Decisions(
+        p_max=np.array([one.p_max for one in seen], np.float64),
+        margin=np.array([one.margin for one in seen], np.float64),
+        entropy_norm=np.array([one.entropy_norm for one in seen], np.float64),
+        right=np.array([guess.is_top_right for guess in guesses], np.bool_),
+    )
+
+
+def _right(candidates: Candidates, query: Query) -> list[int]:
+    """Return the candidates that are what is asked for, by their first rule of a hit."""
+    matches = next(iter(candidates.matches.values()))
+    return [one for target in sorted(query.targets) for one in matches.get(target, ())]

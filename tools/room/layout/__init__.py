@@ -1,0 +1,1 @@
+"""Furnishing: which things stand where, on, in and under what, and how that changes."""

@@ -1,0 +1,1 @@
+"""Light and pictures: ray casting on a CPU under light that was measured beforehand."""

@@ -1,0 +1,1 @@
+"""Painted surfaces: floors, walls, cloth, pictures, the view from the window."""

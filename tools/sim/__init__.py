@@ -1,0 +1,1 @@
+"""A simulated robot in a furnished room that people can change while it looks around."""
