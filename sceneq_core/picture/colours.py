@@ -59,6 +59,8 @@ def mark_colours(count: int) -> list[Colour]:
 
 def _flat_colours(instance_id: Int32) -> Float32:
     """Return hues that lie far apart for ids that lie close together, equally light to the eye."""
+    if not len(instance_id):
+        return np.zeros((0, 3), np.float32)  # OpenCV converts no empty image
     ids, where = np.unique(instance_id, return_inverse=True)
     hue = 2 * np.pi * (ids * GOLDEN_RATIO % 1.0)
     chroma = np.take(CHROMA, ids % len(CHROMA))

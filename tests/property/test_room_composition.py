@@ -96,7 +96,7 @@ def test_nothing_stands_before_the_door(kind: str, seed: int) -> None:
             assert not way.overlaps(footprint(thing.mesh, thing.T_world_thing)), thing.label
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["kitchen", "bedroom"])
 def test_the_same_seed_gives_the_same_room(kind: str) -> None:
     first, second = compose(kind, 3, LIBRARY), compose(kind, 3, ParametricLibrary())
     assert [(t.id, t.label, t.model_id, t.tint, t.support, t.relation) for t in first.things] == [

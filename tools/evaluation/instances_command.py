@@ -11,8 +11,18 @@ if TYPE_CHECKING:
     from sceneq_core.evaluation.protocol import Protocol
     from sceneq_tools.evaluation.instances import InstancesReport
 
-COLUMNS = ("protocol", "AP", "AP50", "AP25", "head AP", "common AP", "tail AP", "objects", "found")
-CLASS_COLUMNS = ("class", "AP", "AP50", "AP25", "objects", "found")
+COLUMNS = (
+    "protocol",
+    "AP",
+    "AP50",
+    "AP25",
+    "head AP",
+    "common AP",
+    "tail AP",
+    "objects",
+    "predicted",
+)
+CLASS_COLUMNS = ("class", "AP", "AP50", "AP25", "objects", "predicted")
 SCORES = ("p", "equal")
 SPLITS = ("head", "common", "tail")
 ABSENT = "-"

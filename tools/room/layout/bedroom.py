@@ -32,24 +32,28 @@ BEDROOM = Plan(
         Small(("nightstand",), ("table lamp",), (1, 1), "back"),
         Small(
             ("nightstand",),
-            ("alarm clock", "book", "coffee mug", "cordless phone", "candle", "plastic cup"),
+            (
+                "alarm clock", "book", "coffee mug", "cordless phone", "candle", "drinking glass",
+                "glasses", "wristwatch",
+            ),
             (1, 3),
         ),
         Small(
             ("bed",),
             (
                 "teddy bear", "book", "folded clothes", "tablet", "hat", "headphones", "handbag",
-                "newspaper", "game controller",
+                "newspaper", "game controller", "doll", "towel",
             ),
             (3, 5),
         ),
         *DESKTOP,
+        Small(("chest of drawers",), ("television",), (0, 1), "back", straight=True),
         Small(
             ("dresser",),
             (
                 "picture frame", "vase", "handbag", "orchid", "radio", "fan", "gift box",
                 "vase of flowers", "hat", "folded clothes", "candle", "camera", "cap", "book",
-                "television",
+                "towel",
             ),
             (4, 6),
         ),
@@ -71,9 +75,11 @@ BEDROOM = Plan(
     ),
     floor=(
         "suitcase", "backpack", "slippers", "sneakers", "guitar", "basketball", "soccer ball",
-        "shopping basket", "trash can", "cardboard box", "helmet",
+        "laundry basket", "trash can", "cardboard box", "boots", "high heels", "bean bag",
+        "doll house",
     ),
     floor_count=(3, 5),
     things=(45, 62),
+    hung=("wall clock", "cuckoo clock", "mirror"),
     floors=("planks", "carpet"),
 )  # fmt: skip

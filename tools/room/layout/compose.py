@@ -75,7 +75,7 @@ def _decorate(plan: Plan, draft: Draft, stock: Stock) -> None:
     """Hang pictures and put small things on the furniture."""
     rng = draft.rng
     hung = tuple(rng.permutation([name for name in plan.hung if stock.has(name)]).tolist())
-    hang_things(draft, stock, hung, int(rng.integers(1, 3)))
+    hang_things(draft, stock, hung, int(rng.integers(0, 3)))
     hang_paintings(draft, int(rng.integers(plan.pictures[0], plan.pictures[1] + 1)))
     Furnishing(draft, stock).fill(plan)
 

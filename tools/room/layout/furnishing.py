@@ -39,11 +39,12 @@ class Furnishing:
 
     def fill(self, plan: Plan) -> None:
         """Place the small things, and more of them until the room is full enough."""
+        self._floor(plan)
         for small in plan.small:
             for name in small.on:
                 for host in self._draft.named(name):
-                    self._scatter(small, host, self._count(small.count))
-        self._floor(plan)
+                    left = max(plan.things[1] - len(self._draft.things), 0)
+                    self._scatter(small, host, min(self._count(small.count), left))
         target = self._count(plan.things)
         for _ in range(3 * target):
             if len(self._draft.things) >= target:

@@ -25,13 +25,15 @@ ON_WORKTOPS = (
     "coffee mug", "coffee mug", "knife block", "cutting board", "wine bottle", "beer bottle",
     "paper towel holder", "bread", "kitchen scale", "blender", "mixer", "bowl", "bowl",
     "milk carton", "plastic cup", "plastic cup", "salt shaker", "bowl of apples", "tray", "teapot",
-    "plate", "radio",
+    "plate", "radio", "French press", "moka pot", "utensil holder", "bread box", "rice cooker",
+    "toaster oven", "spice rack", "juicer", "soap dispenser", "oil and vinegar set",
 )  # fmt: skip
 
 ON_DINING_TABLE = (
     "coffee cup", "plate", "plate", "plastic cup", "wine bottle", "vase of flowers",
     "bowl of salad", "birthday cake", "newspaper", "teapot", "coffee mug", "candle", "bowl",
-    "hamburger", "salt shaker", "coffee cup", "milk carton",
+    "hamburger", "salt shaker", "coffee cup", "milk carton", "drinking glass", "wine glass",
+    "sugar bowl", "milk jug", "cupcake", "roast chicken",
 )  # fmt: skip
 
 KITCHEN = Plan(
@@ -49,7 +51,7 @@ KITCHEN = Plan(
             near=(Near("chair", "around", (3, 6)),),
             needed=True,
         ),
-        Piece("dresser", "corner", (0, 1), front_m=0.4),
+        Piece("chest of drawers", "corner", (0, 1), front_m=0.4),
         Piece("bookcase", "corner", (0, 1), front_m=0.4),
         Piece("stool", "wall", (0, 2), front_m=0.0),
         Piece("plant", "corner", (1, 2), front_m=0.0),
@@ -62,7 +64,7 @@ KITCHEN = Plan(
         Small(("kitchen_sink",), ("plate", "bowl", "coffee mug", "plastic cup"), (1, 2)),
         Small(("washing_machine",), ("folded clothes", "shopping basket"), (0, 1)),
         Small(
-            ("dresser", "bookcase"),
+            ("chest of drawers", "bookcase"),
             (
                 "cactus", "radio", "fan", "vase", "picture frame", "bowl", "book", "succulent",
                 "alarm clock",
@@ -82,7 +84,7 @@ KITCHEN = Plan(
     ),
     floor=(
         "trash can", "fire extinguisher", "shopping basket", "cardboard box", "backpack",
-        "slippers", "suitcase",
+        "slippers", "recycling bin",
     ),
     floor_count=(2, 4),
     things=(50, 70),

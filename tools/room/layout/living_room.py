@@ -21,11 +21,13 @@ ON_SHELVES = (
     "vase", "picture frame", "teddy bear", "toy car", "Rubik's cube", "camera", "alarm clock",
     "toy train", "gift box", "gift box", "cactus", "folded clothes", "book", "book", "book", "vase",
     "hat", "radio", "candle", "succulent", "helmet", "bonsai tree", "speaker", "chessboard",
+    "deer figurine", "toy airplane", "xylophone", "doll",
 )  # fmt: skip
 
 ON_COFFEE_TABLE = (
     "remote control", "book", "coffee mug", "coffee mug", "candle", "newspaper", "game controller",
     "chessboard", "bowl", "paper cup", "tablet", "bowl of fruit", "wine bottle", "coffee cup",
+    "wine glass", "glasses", "playing cards", "keys", "tea cup",
 )  # fmt: skip
 
 MEDIA = (
@@ -34,7 +36,7 @@ MEDIA = (
         ("tv_stand",),
         (
             "game console", "speaker", "speaker", "game controller", "remote control", "vase",
-            "picture frame",
+            "picture frame", "DVD player",
         ),
         (2, 4),
     ),
@@ -50,21 +52,22 @@ LIVING_ROOM = Plan(
     pieces=(
         LOUNGE,
         Piece("bookcase", "corner", (1, 2), front_m=0.5),
-        Piece("dresser", "wall", (1, 1), front_m=0.5),
+        Piece("chest of drawers", "wall", (1, 1), front_m=0.5),
         Piece("desk", "wall", (0, 1), near=(Near("chair", "tucked"),)),
+        Piece("upright piano", "wall", (0, 1), front_m=0.6),
         Piece("plant", "corner", (2, 4), front_m=0.0),
     ),
     small=(
         *MEDIA,
-        Small(("dresser",), ("table lamp",), (1, 1)),
+        Small(("chest of drawers",), ("table lamp",), (1, 1)),
         Small(("coffee_table",), ON_COFFEE_TABLE, (4, 6)),
         Small(("bookcase",), ON_SHELVES, (5, 8)),
         Small(
-            ("dresser", "desk"),
+            ("chest of drawers", "desk"),
             (
                 "radio", "vase", "picture frame", "gift box", "handbag", "fan", "orchid",
                 "bonsai tree", "vase of flowers", "laptop", "book", "book", "coffee mug",
-                "telephone",
+                "telephone", "stereo",
             ),
             (3, 5),
         ),
@@ -90,7 +93,8 @@ LIVING_ROOM = Plan(
     ),
     floor=(
         "guitar", "basketball", "soccer ball", "slippers", "sneakers", "suitcase", "backpack",
-        "fan", "gift box", "shopping basket", "cardboard box",
+        "fan", "gift box", "shopping basket", "cardboard box", "bean bag", "doll house", "tricycle",
+        "rocking horse",
     ),
     floor_count=(2, 4),
     things=(55, 75),

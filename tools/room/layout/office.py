@@ -7,7 +7,8 @@ WORKPLACE = Near("office_chair", "tucked")
 ON_DESK = (
     "coffee mug", "coffee mug", "book", "book", "telephone", "pen holder", "scissors", "stapler",
     "calendar", "headphones", "camera", "tablet", "paper cup", "calculator", "picture frame",
-    "newspaper", "cactus", "Rubik's cube", "cordless phone", "succulent", "beer bottle", "fan",
+    "newspaper", "cactus", "Rubik's cube", "cordless phone", "succulent", "letter tray", "fan",
+    "glasses", "keys", "roll of tape", "drinking glass",
 )  # fmt: skip
 
 ON_OFFICE_SHELVES = (
@@ -35,7 +36,9 @@ OFFICE = Plan(
         Piece("bookcase", "corner", (1, 2), front_m=0.5),
         Piece("filing_cabinet", "corner", (1, 2), front_m=0.4),
         Piece("dining_table", "middle", (0, 1), 0.5, near=(Near("chair", "around", (2, 4)),)),
-        Piece("dresser", "wall", (0, 1), front_m=0.4),
+        Piece("chest of drawers", "wall", (0, 1), front_m=0.4),
+        Piece("whiteboard", "wall", (0, 1), front_m=0.6),
+        Piece("water cooler", "corner", (0, 1), front_m=0.3),
         Piece("armchair", "corner", (0, 1), front_m=0.3),
         Piece("floor_lamp", "corner", (0, 1), front_m=0.0),
         Piece("plant", "corner", (1, 3), front_m=0.0),
@@ -47,13 +50,13 @@ OFFICE = Plan(
             ("dining_table",),
             (
                 "laptop", "coffee cup", "paper cup", "tray", "coffee maker", "newspaper", "tablet",
-                "wine bottle", "bowl of fruit", "birthday cake",
+                "bowl of fruit", "birthday cake", "drinking glass", "glasses",
             ),
             (4, 6), "seats",
         ),
         Small(("bookcase",), ON_OFFICE_SHELVES, (6, 9)),
         Small(
-            ("dresser",),
+            ("chest of drawers",),
             (
                 "coffee maker", "coffee mug", "plastic cup", "plastic cup", "radio",
                 "vase of flowers", "orchid", "printer", "espresso machine",
@@ -74,9 +77,10 @@ OFFICE = Plan(
     ),
     floor=(
         "trash can", "cardboard box", "cardboard box", "backpack", "briefcase", "fire extinguisher",
-        "suitcase", "fan",
+        "suitcase", "fan", "recycling bin",
     ),
     floor_count=(2, 4),
     things=(48, 66),
+    hung=("wall clock", "cuckoo clock"),
     floors=("planks", "carpet"),
 )  # fmt: skip

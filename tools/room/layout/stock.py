@@ -10,8 +10,11 @@ from sceneq_tools.room.layout.probe import bounds
 from sceneq_tools.room.library import Library
 from sceneq_tools.room.mesh import Mesh
 
-PLAIN_SHARE = 0.15
+PLAIN_SHARE = 0.3
 """So many of the things that could be painted stay as they are."""
+
+ALIKE_SHARE = 0.75
+"""So many of the chairs of a table look like the first one; the others were bought later."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,7 +68,9 @@ class Stock:
         return self._painted(category, model)
 
     def again(self, item: Item) -> Item:
-        """Return the same model, perhaps in another colour."""
+        """Return the same model, at times in another colour."""
+        if self._rng.random() < ALIKE_SHARE:
+            return item
         return self._painted(item.category, item.model_id)
 
     def _painted(self, category: Category, model: str) -> Item:

@@ -26,8 +26,8 @@ _LISTS = ("affordances", "synonyms", "models", "tints")
 
 def curated_categories() -> tuple[Category, ...]:
     """Return the shipped table, in its order."""
-    text = resources.files("sceneq_tools.room.models").joinpath("categories.yaml").read_text("utf-8")
-    return parse_categories(text)
+    table = resources.files("sceneq_tools.room.models").joinpath("categories.yaml")
+    return parse_categories(table.read_text("utf-8"))
 
 
 def parse_categories(text: str) -> tuple[Category, ...]:

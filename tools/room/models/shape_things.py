@@ -19,9 +19,8 @@ from sceneq_tools.room.textures import textures
 
 def _vessel(material: Material, outside: list[tuple[float, float]], wall: float) -> Solid:
     """A lathe with the same profile inside, ``wall`` thinner, open at the top."""
-    bottom = wall
-    inside = [(max(r - wall, 0.0), max(z, bottom)) for r, z in reversed(outside) if r > 0]
-    return lathe(material, [(0.0, outside[0][1]), *outside, *inside, (0.0, bottom)])
+    inside = [(max(r - wall, 0.0), max(z, wall)) for r, z in reversed(outside) if r > 0]
+    return lathe(material, [(0.0, outside[0][1]), *outside, *inside, (0.0, wall)])
 
 
 def _ring(material: Material, width: float, height: float, thick: float) -> Solid:

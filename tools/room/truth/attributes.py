@@ -11,12 +11,22 @@ from sceneq_tools.room.room import Thing
 from sceneq_tools.room.truth.boxes import oriented_box
 from sceneq_tools.room.truth.colour_names import COLOURS, CONFUSED, colour_index
 
-MAIN_SHARE = 0.6
-"""A thing has a colour when so much of its visible surface has it."""
+PAINTED_SHARE = 0.6
+"""A painted thing has the colour of its paint when so much of its visible surface has it."""
+MAIN_SHARE = 0.7
+"""A thing that is not painted has a colour when so much of its visible surface has it."""
 LEAST_SHARE = 0.03
 """Smaller shares of a colour are not worth a word."""
-MIXED_MATERIALS = frozenset({"food", "paper", "plant", "glass"})
-"""What is made of these has many colours or none."""
+MIXED_MATERIALS = frozenset({"food", "paper", "plant", "glass", "cork", "cardboard", "wicker"})
+"""What is made of these has many colours, none, or the one that its kind always has."""
+PATTERNED = frozenset(
+    {
+        "Rubik's cube", "chessboard", "cuckoo clock", "doll", "doll house", "folded clothes",
+        "soccer ball", "television", "toy airplane", "toy car", "toy train", "weather station",
+        "whiteboard", "xylophone",
+    }
+)  # fmt: skip
+"""Nobody tells these apart by a colour: they show several, or always the same."""
 WOOD_TONES = frozenset({"orange", "brown", "yellow"})
 """Wood is wood-coloured: people do not agree on a name."""
 UNSURE = frozenset({"beige", "light grey"})
@@ -82,8 +92,8 @@ def _colour(thing: Thing, shares: dict[str, float]) -> str | None:
         if painted not in CONFUSED:
             return None
         like = sum(share for name, share in shares.items() if name in CONFUSED[painted])
-        return painted if like >= MAIN_SHARE else None
-    if not shares or thing.category.material in MIXED_MATERIALS:
+        return painted if like >= PAINTED_SHARE else None
+    if not shares or thing.category.material in MIXED_MATERIALS or thing.label in PATTERNED:
         return None
     name = next(iter(shares))
     unsure = UNSURE | WOOD_TONES if thing.category.material == "wood" else UNSURE
