@@ -22,6 +22,10 @@ def run(
     rate: Annotated[
         float | None, typer.Option(help="Frames a second. Default: as fast as may be.")
     ] = None,
+    segmenter: Annotated[
+        str | None,
+        typer.Option(help="files: label images of the folder (default if it has any), or rgbd."),
+    ] = None,
     live: Annotated[
         bool, typer.Option("--live", help="A simulated robot that keeps going until Ctrl-C.")
     ] = False,
@@ -42,4 +46,5 @@ def run(
         return
     from sceneq_tools.demo_recording import Demo, sample
 
-    Demo(source or sample(), out, question or [], graph, rate or 0.0).run()
+    folder = source or sample()
+    Demo(folder, out, question or [], graph, rate or 0.0, segmenter).run()

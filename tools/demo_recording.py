@@ -32,6 +32,11 @@ SILENT_S = 20.0
 SETTLE_S = 300.0
 FRAME = re.compile(r"frame-(\d{6})\.depth\.png")
 CANDIDATES = 3
+FILES, RGBD = "files", "rgbd"
+SEGMENTS = {
+    FILES: "those that lie beside the frames, mask.png (--segmenter rgbd: the built-in ones)",
+    RGBD: "built in, from geometry and colour, without weights",
+}
 MARK_TEXT = 28
 
 Answer = dict[str, Any]
@@ -58,13 +63,20 @@ class Demo:
         texts: what to ask; nothing = what the folder brings along.
         graph: graph file; ``None`` = the usual one, with keyframes that suit the recording.
         rate_hz: frames a second; 0 = as fast as the graph takes them, none is lost.
+        segmenter: files or rgbd; ``None`` = files where the folder has label images.
 
     Raises:
         UserError: the folder holds no frames, or its truth cannot be read.
     """
 
     def __init__(
-        self, source: Path, out: Path, texts: list[str], graph: Path | None, rate_hz: float
+        self,
+        source: Path,
+        out: Path,
+        texts: list[str],
+        graph: Path | None,
+        rate_hz: float,
+        segmenter: str | None = None,
     ) -> None:
         self._source, self._out, self._graph_file = source, out, graph
         found = [FRAME.fullmatch(path.name) for path in source.glob("frame-*")]
@@ -72,6 +84,8 @@ class Demo:
         if not self._numbers:
             raise UserError(f"{source}: no frames (frame-NNNNNN.depth.png) in it", 2)
         self._rate_hz = rate_hz
+        has_masks = next(source.glob("frame-*.mask.png"), None) is not None
+        self._segmenter = segmenter or (FILES if has_masks else RGBD)
         self._questions = questions_of(source, texts)
         self._truth = Truth(source)
 
@@ -96,7 +110,8 @@ class Demo:
     def _options(self) -> list[str]:
         graph = self._graph_file or self.written_graph()
         source = ["--source", str(self._source), "--rate", f"{self._rate_hz:g}"]
-        return [str(graph), *source, "--log-dir", str(self._out / "logs")]
+        segments = ["--segmenter", self._segmenter]
+        return [str(graph), *source, *segments, "--log-dir", str(self._out / "logs")]
 
     def written_graph(self) -> Path:
         """Write the usual graph with as many keyframes as make a map in half a minute."""
@@ -119,6 +134,7 @@ class Demo:
             scene = graph.scene()
         took_s = time.monotonic() - started_s
         rows = [("graph", f"on {graph.endpoint}, something to ask about after {took_s:.1f} s")]
+        rows.append(("segments", SEGMENTS.get(self._segmenter, self._segmenter)))
         if activation := demo_text.activation():
             rows.append(("type", f"along from another shell: {activation}"))
         demo_text.facts(rows)

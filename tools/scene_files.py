@@ -55,6 +55,8 @@ class SceneFiles:
     def write(self, out: Path) -> dict[str, Any]:
         """Write all files into ``out`` and return the summary that is also in instances.json.
 
+        Of an empty map there is neither cloud.ply nor instances.png.
+
         Raises:
             OSError: the folder cannot be made or written.
         """
@@ -71,9 +73,9 @@ class SceneFiles:
         )
         document = self.document(cloud)
         (out / RECORDS_FILE).write_text(json.dumps(document, indent=1, ensure_ascii=False))
-        colours = instance_colours(cloud.instance_id, cloud.rgb)
-        _write_ply(out / "cloud.ply", cloud.points_world, colours)
         if len(cloud.points_world):
+            colours = instance_colours(cloud.instance_id, cloud.rgb)
+            _write_ply(out / "cloud.ply", cloud.points_world, colours)
             write_png(scene_picture(cloud, document), out / "instances.png")
         return document
 

@@ -6,8 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sceneq_core.mapping.delta import MapDelta
 from sceneq_core.mapping.replica import MapReplica
 from sceneq_nodes._bus import Reply
+from sceneq_nodes._convert import map_delta_message
+from sceneq_nodes._wire import to_bytes
 from sceneq_schemas import topics
 from sceneq_tools.collect import collect
 from sceneq_tools.errors import UserError
@@ -28,9 +31,10 @@ def write(folder: Path, descriptors: Descriptors) -> Path:
 
 
 def replica() -> MapReplica:
-    empty = MapReplica()
-    empty.voxel_size_m = 0.02
-    return empty
+    """A map without a voxel, which has no picture either."""
+    made = MapReplica()
+    made.apply(map_delta())
+    return made
 
 
 def test_descriptors_are_kept_by_id(tmp_path):
@@ -61,7 +65,7 @@ def test_a_folder_of_an_older_version_says_so(tmp_path):
     (tmp_path / "instances.json").write_text(json.dumps(document))
     with pytest.raises(UserError, match=r"no descriptors: model \(write it anew"):
         read_descriptors(tmp_path)
-    with pytest.raises(UserError, match="cannot be read"):
+    with pytest.raises(UserError, match="nowhere: cannot be read"):
         read_descriptors(tmp_path / "nowhere")
 
 
@@ -81,14 +85,14 @@ def test_a_scene_is_gathered_also_when_no_encoder_answers():
 
 
 def map_snapshot() -> bytes:
-    from sceneq_core.mapping.delta import MapDelta
-    from sceneq_nodes._convert import map_delta_message
-    from sceneq_nodes._wire import to_bytes
+    return to_bytes(topics.MAP_SNAPSHOT, map_delta_message(map_delta(), 1, 1))
 
+
+def map_delta() -> MapDelta:
     none = np.zeros(0, np.int32)
-    delta = MapDelta(
+    return MapDelta(
         full=True,
-        frame_seq=-1,
+        frame_seq=0,
         stamp_ns=0,
         voxel_size_m=0.02,
         up_world=np.array([0.0, 0.0, 1.0]),
@@ -100,4 +104,3 @@ def map_snapshot() -> bytes:
         removed_voxel_id=none,
         instances=(),
     )
-    return to_bytes(topics.MAP_SNAPSHOT, map_delta_message(delta, 1, 1))

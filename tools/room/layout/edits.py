@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from sceneq_tools.room.category import Category
+from sceneq_tools.room.layout.compose import PLANS
 from sceneq_tools.room.layout.draft import carried_by, drafted, finished, is_rug
 from sceneq_tools.room.layout.placement import pose
 from sceneq_tools.room.layout.places import BUILT_IN, find_place, known, name_of
@@ -109,7 +110,7 @@ def random_changes(
 
 def _random_move(room: Room, _: Library, rng: np.random.Generator) -> tuple[Room, str]:
     thing = _any(_small(room), rng)
-    onto = _any([host for host in _hosts(room) if host.id not in (thing.id, thing.support)], rng)
+    onto = _any(_new_hosts(room, thing), rng)
     room = moved(room, thing.id, onto.id, rng)
     after = room.thing(thing.id)
     return (
@@ -124,9 +125,10 @@ def _random_removal(room: Room, _: Library, rng: np.random.Generator) -> tuple[R
 
 
 def _random_addition(room: Room, library: Library, rng: np.random.Generator) -> tuple[Room, str]:
-    small = [category for category in library.categories() if category.role == "top"]
-    category = small[int(rng.integers(len(small)))]
     onto = _any(_hosts(room), rng)
+    small = [category for category in library.categories() if category.role == "top"]
+    usual = [category for category in small if _belongs(category, onto, room.kind)]
+    category = (usual or small)[int(rng.integers(len(usual or small)))]
     room = added(room, category, onto.id, library, rng)
     new = room.things[-1]
     return room, f"added {name_of(new)}, {new.relation} {name_of(onto)}"
@@ -154,6 +156,21 @@ def _hosts(room: Room) -> list[Thing]:
     """Return the furniture that already carries something, so that what is put there is seen."""
     carrying = {t.support for t in room.things if t.relation in ("on", "in")}
     return [t for t in room.things if t.id in carrying and not t.is_stuff and not is_rug(t)]
+
+
+def _new_hosts(room: Room, thing: Thing) -> list[Thing]:
+    """Return what else may carry a thing: the floor, for what does not belong on a table."""
+    if thing.category.role == "floor":
+        return [room.thing(FLOOR_ID)]
+    return [host for host in _hosts(room) if host.id not in (thing.id, thing.support)]
+
+
+def _belongs(category: Category, host: Thing, kind: str) -> bool:
+    """Tell whether people put such a thing on such a host in that kind of room."""
+    return any(
+        category.label in small.what and {host.label, host.category.role} & set(small.on)
+        for small in PLANS[kind].small
+    )
 
 
 def _category(library: Library, named: Category | str) -> Category:

@@ -7,11 +7,12 @@ from sceneq_tools.room.layout.draft import DOORWAY_M, Draft, Zone
 from sceneq_tools.room.layout.fittings import CEILING_LAMP, CURTAIN, DOOR, WINDOW
 from sceneq_tools.room.layout.footprint import Footprint
 from sceneq_tools.room.layout.lamp import LAMP_DROP_M, ceiling_lamp_mesh
-from sceneq_tools.room.layout.placement import pose
+from sceneq_tools.room.layout.placement import front_area, pose
 from sceneq_tools.room.layout.stock import Item
 from sceneq_tools.room.layout.structure import Hole
 from sceneq_tools.room.layout.wall import Wall
-from sceneq_tools.room.layout.window import curtain_mesh, window_mesh
+from sceneq_tools.room.layout.window import curtain_cloth, curtain_mesh, window_mesh
+from sceneq_tools.room.mesh import Material
 
 LIGHT_WAY_M = 0.55
 """Nothing higher than the sill stands so close to a window."""
@@ -57,18 +58,18 @@ def build_openings(draft: Draft, openings: Openings) -> None:
     rng = draft.rng
     wall = openings.door_wall
     door = Item(DOOR, "", door_mesh(rng), None)
-    draft.add(door, wall.pose(openings.door_left), wall.id, "against")
-    draft.zones.append(
-        Zone(_before(wall, openings.door_left, openings.door_left + DOOR_M[0], DOORWAY_M))
-    )
+    T_world_door = wall.pose(openings.door_left)
+    draft.add(door, T_world_door, wall.id, "against")
+    draft.zones.append(Zone(front_area(door.mesh, T_world_door, DOORWAY_M)))
+    cloth = curtain_cloth(rng)
     for wall, hole in openings.windows:
-        _build_window(draft, wall, hole)
+        _build_window(draft, wall, hole, cloth)
     lamp = Item(CEILING_LAMP, "", ceiling_lamp_mesh(rng), None)
     width, depth, height = draft.size_m
     draft.add(lamp, pose(width / 2, depth / 2, height - LAMP_DROP_M), CEILING_ID, "against")
 
 
-def _build_window(draft: Draft, wall: Wall, hole: Hole) -> None:
+def _build_window(draft: Draft, wall: Wall, hole: Hole, cloth: Material) -> None:
     rng = draft.rng
     width, height = hole.right - hole.left, hole.top - hole.bottom
     window = Item(WINDOW, "", window_mesh(rng, width, height), None)
@@ -76,7 +77,7 @@ def _build_window(draft: Draft, wall: Wall, hole: Hole) -> None:
     low = hole.bottom
     if rng.random() < 0.6:
         rod = width + 0.5
-        mesh = curtain_mesh(rng, rod, height + 0.2)
+        mesh = curtain_mesh(rng, cloth, rod, height + 0.2)
         T_world = wall.pose((hole.left + hole.right) / 2, 0.06, hole.bottom - 0.08)
         draft.add(Item(CURTAIN, "", mesh, None), T_world, wall.id, "against")
         low -= 0.1

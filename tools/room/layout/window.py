@@ -32,16 +32,23 @@ def window_mesh(rng: np.random.Generator, width_m: float, height_m: float) -> Me
     return assembled(parts)
 
 
-def curtain_mesh(rng: np.random.Generator, width_m: float, height_m: float) -> Mesh:
+def curtain_cloth(rng: np.random.Generator) -> Material:
+    """Choose a cloth; the curtains of one room are made of the same."""
+    colour: Colour = from_hsv(float(rng.random()), float(rng.uniform(0.05, 0.45)), 0.75)
+    return Material((1, 1, 1), textures.fabric(rng, colour))
+
+
+def curtain_mesh(
+    rng: np.random.Generator, cloth: Material, width_m: float, height_m: float
+) -> Mesh:
     """Build two drawn-back curtains on a rod, the middle of their foot at the origin.
 
     Args:
-        rng: decides cloth and folds.
+        rng: decides how far they are drawn.
+        cloth: what they are made of.
         width_m: of the whole rod; ``height_m``: from the hem to the rod.
         height_m: see there.
     """
-    colour: Colour = from_hsv(float(rng.random()), float(rng.uniform(0.15, 0.6)), 0.75)
-    cloth = Material((1, 1, 1), textures.fabric(rng, colour))
     rod = Material((0.35, 0.33, 0.30), shine=0.4, gloss=40)
     half, panel = width_m / 2, width_m * float(rng.uniform(0.16, 0.22))
     parts = [tube(rod, [(-half, 0, height_m), (0, 0, height_m), (half, 0, height_m)], 0.012)]

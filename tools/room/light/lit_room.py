@@ -31,7 +31,7 @@ class Base:
 
     stage: Stage
     solid: TriangleGroup
-    clear: TriangleGroup
+    visible: TriangleGroup
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +55,7 @@ def lit(room: Room, meshes: Sequence[LightMesh], quality: Quality) -> LitRoom:
     """Measure the light of a whole room."""
     whole = stage(room.things, meshes)
     base = _base(whole)
-    raycaster = Raycaster((base.solid,), (base.clear,))
+    raycaster = Raycaster((base.solid,), (base.visible,))
     light = dark(whole, len(room.lights))
     stale = everything(light)
     LightMeter(whole, room.lights, raycaster, quality, room.seed).measure(light, stale)
@@ -77,9 +77,13 @@ def relit(old: LitRoom, room: Room, meshes: Sequence[LightMesh], quality: Qualit
 
 
 def _base(whole: Stage) -> Base:
-    solid, clear = (np.flatnonzero(kind).astype(np.int32) for kind in (~whole.clear, whole.clear))
-    groups = (TriangleGroup(whole.vertices, whole.faces[f], f) for f in (solid, clear))
-    return Base(whole, *groups)
+    return Base(whole, *_groups(whole, np.ones(len(whole.faces), bool)))
+
+
+def _groups(whole: Stage, chosen: Bool) -> list[TriangleGroup]:
+    """Return the chosen faces that are solid, and all that are chosen."""
+    kinds = (np.flatnonzero(kind).astype(np.int32) for kind in (chosen & ~whole.clear, chosen))
+    return [TriangleGroup(whole.vertices, whole.faces[faces], faces) for faces in kinds]
 
 
 def _over(base: Base, whole: Stage) -> tuple[Base, Raycaster]:
@@ -87,12 +91,10 @@ def _over(base: Base, whole: Stage) -> tuple[Base, Raycaster]:
     face_now, new = _face_numbers(base.stage, whole)
     if new.sum() > OVERLAY_SHARE * len(new):
         rebuilt = _base(whole)
-        return rebuilt, Raycaster((rebuilt.solid,), (rebuilt.clear,))
-    kept = [g.renumbered(face_now[g.built_of]) for g in (base.solid, base.clear)]
-    new |= _touching(whole, base.stage)
-    fresh = [np.flatnonzero(new & kind).astype(np.int32) for kind in (~whole.clear, whole.clear)]
-    over = [TriangleGroup(whole.vertices, whole.faces[f], f) for f in fresh]
-    return base, Raycaster((kept[0], over[0]), (kept[1], over[1]))
+        return rebuilt, Raycaster((rebuilt.solid,), (rebuilt.visible,))
+    solid, visible = (g.renumbered(face_now[g.built_of]) for g in (base.solid, base.visible))
+    over = _groups(whole, new | _touching(whole, base.stage))
+    return base, Raycaster((solid, over[0]), (visible, over[1]))
 
 
 def _face_numbers(before: Stage, after: Stage) -> tuple[Int32, Bool]:

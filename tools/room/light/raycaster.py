@@ -92,23 +92,31 @@ class TriangleGroup:
         answer = self._scene.cast_rays(self._tensor(rays))
         primitive = answer["primitive_ids"].numpy()
         distance = answer["t_hit"].numpy()
-        hit = np.isfinite(distance)
-        face = np.where(hit, self.face_of[np.where(hit, primitive, 0)], -1).astype(np.int32)
+        missed = np.flatnonzero(np.isinf(distance))
+        primitive[missed] = 0
+        face = self.face_of.take(primitive)
+        face[missed] = -1
         uv, normal = answer["primitive_uvs"].numpy(), answer["primitive_normals"].numpy()
         return Hits(distance, face, uv, normal)
 
 
 class Raycaster:
-    """All groups of a room: what casts shadows, and what lets light through."""
+    """What casts shadows, and all that can be seen: glass, lamps and cut-out leaves as well.
 
-    def __init__(self, solid: tuple[TriangleGroup, ...], clear: tuple[TriangleGroup, ...]) -> None:
+    What is solid is held twice: one walk through everything takes less than one through what is
+    solid and another through the rest.
+    """
+
+    def __init__(
+        self, solid: tuple[TriangleGroup, ...], visible: tuple[TriangleGroup, ...]
+    ) -> None:
         self._solid = solid
-        self._clear = clear
+        self._visible = visible
 
     def nearest(self, origins: Float32, directions: Float32) -> Hits:
         """Return the first surface of any kind on rays (N, 3), (N, 3)."""
         rays = _rays(origins, directions)
-        return _first_of([group.nearest(rays) for group in (*self._solid, *self._clear)], rays)
+        return _first_of([group.nearest(rays) for group in self._visible], rays)
 
     def nearest_solid(self, origins: Float32, directions: Float32) -> Hits:
         """Return the first surface that blocks light."""

@@ -8,10 +8,12 @@ import numpy as np
 from sceneq_core.arrays import Float32, Float64, Int32
 from sceneq_core.ingest.source import Camera
 from sceneq_tools.room.light.antialias import edge_pixels, sub_pixels
+from sceneq_tools.room.light.corner_tables import corner_tables
+from sceneq_tools.room.light.highlights import lamps
 from sceneq_tools.room.light.light_mesh import LightMesh, light_mesh
 from sceneq_tools.room.light.lit_room import LitRoom, lit, relit
 from sceneq_tools.room.light.quality import Quality
-from sceneq_tools.room.light.shading import Shader, lamps
+from sceneq_tools.room.light.shading import Shader
 from sceneq_tools.room.light.surfaces import TextureStore
 from sceneq_tools.room.light.tone import auto_exposure, tone_mapped
 from sceneq_tools.room.light.tracer import Traced, Tracer
@@ -103,9 +105,8 @@ class Renderer:
 
     def _viewed(self, room: LitRoom) -> View:
         shader = Shader(
-            room.stage,
+            corner_tables(room.stage, room.place_light),
             self._textures.surfaces(list(room.stage.materials)),
-            room.place_light,
             lamps(room.room.lights),
         )
         return View(room, Tracer(room.raycaster, shader, self._threads))

@@ -1,34 +1,21 @@
-"""The colour of what a ray meets."""
+"""The colour of what a ray meets.
 
-from collections.abc import Sequence
+Vectors of many rays are held as three rows here, (3, N): every step then runs over whole rows.
+"""
+
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import Bool, Float32, Int32
-from sceneq_tools.room.light.illumination import PlaceLight, radiances
+from sceneq_core.arrays import Bool, Float32, Int64
+from sceneq_tools.room.light.corner_tables import CornerTables, Corners
+from sceneq_tools.room.light.highlights import DULL, Glances, Lamps, highlights
 from sceneq_tools.room.light.raycaster import Hits
-from sceneq_tools.room.light.stage import Stage
 from sceneq_tools.room.light.surfaces import Surfaces
-from sceneq_tools.room.room import Light
 from sceneq_tools.room.textures.linear import LINEAR_OF_BYTE
 
-DULL = 0.04  # weaker highlights are not computed
-SOFTEST = 4.0
-SHARPEST = 64.0  # larger exponents make a highlight smaller than the lamp it mirrors
 FLATTEST = 0.2  # a texture is not read coarser than at this cosine: grazing floors would blur
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Lamps:
-    """The lights as highlights see them.
-
-    Attributes: float32 (L, 3) ``centres`` and ``power`` (radiance times area).
-    """
-
-    centres: Float32
-    power: Float32
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,34 +23,24 @@ class Shaded:
     """Per ray: what the surface sends back.
 
     Attributes:
-        body: float32 (N, 3) radiance of the surface itself; ``highlight``: float32 (N, 3).
+        radiance: float32 (3, N) of the surface as far as it covers, and of its highlights.
         cover: float32 (N,) share of what is behind that it hides; 0 where it is cut out.
         hole: bool (N,) cut out: as if nothing were there.
         cosine: float32 (N,) between ray and surface normal, 0 to 1.
     """
 
-    body: Float32
-    highlight: Float32
+    radiance: Float32
     cover: Float32
     hole: Bool
     cosine: Float32
-
-
-def lamps(lights: Sequence[Light]) -> Lamps:
-    """Return centres and powers of rectangles."""
-    centres = [light.corner + (light.edge_u + light.edge_v) / 2 for light in lights]
-    areas = [np.linalg.norm(np.cross(light.edge_u, light.edge_v)) for light in lights]
-    power = radiances(lights) * np.array(areas, np.float32)[:, None]
-    return Lamps(np.array(centres, np.float32).reshape(-1, 3), power)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shader:
     """Surfaces under light."""
 
-    stage: Stage
+    tables: CornerTables
     surfaces: Surfaces
-    light: PlaceLight
     lamps: Lamps
 
     def shade(self, hits: Hits, origin: Float32, directions: Float32, pixel: float) -> Shaded:
@@ -73,108 +50,71 @@ class Shader:
             origin: float32 (3,) the camera; ``directions``: float32 (N, 3).
             pixel: width of a pixel at one length of ``directions``, metres.
         """
-        stage, weights = self.stage, _weights(hits.uv)
-        corners = stage.faces.take(hits.face, axis=0)
-        material = stage.material.take(hits.face)
-        facing = np.einsum("ij,ij->i", hits.normal, directions)
-        cosine = np.abs(facing) / np.maximum(_length(directions), np.float32(1e-9))
-        colour, hole = self._paint(hits, material, corners, weights, cosine, pixel)
-        places = stage.place_of_corner.take(hits.face, axis=0)
-        places += ((facing > 0) * stage.place_starts[-1])[:, None]
-        received = _mixed(self.light.irradiance, places, weights) * np.float32(1 / np.pi)
+        ahead = np.ascontiguousarray(directions.T)
+        facing = dot(np.ascontiguousarray(hits.normal.T), ahead)
+        length = np.maximum(np.sqrt(dot(ahead, ahead)), np.float32(1e-9))
+        cosine = np.abs(facing) / length
+        corners = self.tables.corners(hits.face, (facing > 0).view(np.int8))
+        weights = _weights(hits.uv)
+        normals, uv = self.tables.surface(corners, weights)
+        received, seen = self.tables.light(corners, weights)
+        footprint = hits.distance * np.float32(pixel) / np.maximum(cosine, np.float32(FLATTEST))
+        radiance, hole = self._paint(corners, uv, footprint)
+        radiance *= self._lit(received, corners.material)
+        cover = self._cover(corners.material, hole, cosine)
+        radiance *= cover
+        shine = self.surfaces.shine.take(corners.material)
+        shine[hole] = 0
+        if (shine > DULL).any():
+            at = ahead * hits.distance + origin[:, None]
+            normals *= np.where(facing > 0, np.float32(-1), np.float32(1))
+            glances = Glances(at, ahead / -length, normals, seen)
+            gloss = self.surfaces.gloss.take(corners.material)
+            radiance += highlights(self.lamps, glances, shine, gloss)
+        return Shaded(radiance, cover, hole, cosine)
+
+    def _lit(self, received: Float32, material: Int64) -> Float32:
+        """Return what a white surface sends back, or what it glows with itself, in place."""
+        received *= np.float32(1 / np.pi)
         glow = self.surfaces.emission.take(material)
-        glowing = np.flatnonzero(glow > 0)
-        received[glowing] = glow[glowing, None]
-        colour *= received
-        highlight = np.zeros_like(colour)
-        shiny = np.flatnonzero((self.surfaces.shine.take(material) > DULL) & ~hole)
-        if len(shiny):
-            normals = _mixed(self.stage.normals, corners[shiny], weights[shiny])
-            normals *= np.where(facing[shiny] > 0, np.float32(-1), np.float32(1))[:, None]
-            seen = _mixed(self.light.seen, places[shiny], weights[shiny])
-            at = origin + directions[shiny] * hits.distance[shiny, None]
-            out = -directions[shiny] / _length(directions[shiny])[:, None]
-            highlight[shiny] = self._highlights(at, out, _unit(normals), seen, material[shiny])
-        return Shaded(colour, highlight, self._cover(material, hole, cosine), hole, cosine)
+        glowing = np.flatnonzero(glow)
+        received[:, glowing] = glow[glowing]
+        return received
 
-    def _paint(
-        self,
-        hits: Hits,
-        material: Int32,
-        corners: Int32,
-        weights: Float32,
-        cosine: Float32,
-        pixel: float,
-    ) -> tuple[Float32, Bool]:
-        """Return the linear colour of the surface, and where its texture is cut out."""
-        colour = self.surfaces.colour.take(material, axis=0)
-        hole = np.zeros(len(material), bool)
-        texture = self.surfaces.texture.take(material)
-        some = np.flatnonzero(texture >= 0)
-        if len(some):
-            uv = _mixed(self.stage.uv, corners[some], weights[some])
-            footprint = hits.distance[some] * pixel / np.maximum(cosine[some], FLATTEST)
-            texels = self.stage.texels_per_m[hits.face[some]] * self.surfaces.shrunk[material[some]]
-            level = np.log2(np.maximum(footprint * texels, np.float32(1e-3)))
-            read = self.surfaces.atlas.read(texture[some], uv, np.rint(level).astype(np.int32))
-            colour[some] *= LINEAR_OF_BYTE[read[:, :3]]
-            hole[some] = read[:, 3] < 128
-        return colour, hole
+    def _paint(self, corners: Corners, uv: Float32, footprint: Float32) -> tuple[Float32, Bool]:
+        """Return the linear colour (3, N) of the surface, and where its texture is cut out."""
+        material, surfaces = corners.material, self.surfaces
+        texels = footprint * corners.texels_per_m * surfaces.shrunk.take(material)
+        level = np.rint(np.log2(np.maximum(texels, np.float32(1e-3)))).astype(np.int64)
+        read = surfaces.atlas.read(surfaces.texture.take(material), uv.T, level)
+        colour = np.ascontiguousarray(_light_of(read).T)[:3]
+        colour *= surfaces.colour.take(material, axis=1)
+        return colour, read[:, 3] < 128
 
-    def _cover(self, material: Int32, hole: Bool, cosine: Float32) -> Float32:
+    def _cover(self, material: Int64, hole: Bool, cosine: Float32) -> Float32:
         """Glass hides more at grazing angles (Schlick 1994, 10.1111/1467-8659.1330233)."""
-        opacity = self.surfaces.opacity.take(material)
-        cover = (~hole).astype(np.float32)
-        glass = np.flatnonzero((opacity < 1) & ~hole)
-        mirrored = np.float32(0.04) + np.float32(0.96) * (1 - np.minimum(cosine[glass], 1)) ** 5
-        cover[glass] = opacity[glass] + (1 - opacity[glass]) * mirrored
+        cover = self.surfaces.opacity.take(material)
+        glass = np.flatnonzero(cover < 1)
+        opacity, left = cover[glass], 1 - np.minimum(cosine[glass], 1)
+        mirrored = np.float32(0.04) + np.float32(0.96) * left**5
+        cover[glass] = opacity + (1 - opacity) * mirrored
+        cover[hole] = 0
         return cover
 
-    def _highlights(
-        self, at: Float32, out: Float32, normals: Float32, seen: Float32, material: Int32
-    ) -> Float32:
-        """Blinn-Phong at the lights' centres, as far as each light is seen from there."""
-        gloss = np.clip(self.surfaces.gloss[material], SOFTEST, SHARPEST)
-        strength = self.surfaces.shine[material] * (gloss + 2) * np.float32(0.35 / (8 * np.pi))
-        total = np.zeros_like(at)
-        for k, (centre, power) in enumerate(zip(self.lamps.centres, self.lamps.power, strict=True)):
-            if seen[:, k].any():
-                lobe = _lobe(centre - at, out, normals, gloss) * strength * seen[:, k]
-                total += lobe[:, None] * power
-        return total
+
+def dot(a: Float32, b: Float32) -> Float32:
+    """Return the products (N,) of vectors that are columns of (3, N)."""
+    product: Float32 = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return product
+
+
+def _light_of(texels: np.ndarray) -> Float32:
+    return np.asarray(cv2.LUT(texels[None], LINEAR_OF_BYTE[None]), np.float32)[0]
 
 
 def _weights(uv: Float32) -> Float32:
-    weights = np.empty((len(uv), 3), np.float32)
-    weights[:, 1:] = uv
-    np.subtract(1, uv[:, 0] + uv[:, 1], out=weights[:, 0])
+    """Return (3, N) from the weights of the second and third corner."""
+    weights = np.empty((3, len(uv)), np.float32)
+    weights[1:] = uv.T
+    np.subtract(1, weights[1] + weights[2], out=weights[0])
     return weights
-
-
-def _mixed(table: Float32, corners: Int32, weights: Float32) -> Float32:
-    """Return rows of ``table`` at three corners, weighted."""
-    mixed = table.take(corners[:, 0], axis=0) * weights[:, :1]
-    mixed += table.take(corners[:, 1], axis=0) * weights[:, 1:2]
-    mixed += table.take(corners[:, 2], axis=0) * weights[:, 2:]
-    return mixed
-
-
-def _length(vectors: Float32) -> Float32:
-    length: Float32 = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
-    return length
-
-
-def _unit(vectors: Float32) -> Float32:
-    return np.divide(vectors, np.maximum(_length(vectors), 1e-9)[:, None], dtype=np.float32)
-
-
-def _lobe(to_light: Float32, out: Float32, normal: Float32, gloss: Float32) -> Float32:
-    squared = np.einsum("ij,ij->i", to_light, to_light)
-    incoming = to_light / np.sqrt(np.maximum(squared, np.float32(1e-9)))[:, None]
-    half = incoming + out
-    half /= np.maximum(_length(half), np.float32(1e-9))[:, None]
-    arriving = np.maximum(np.einsum("ij,ij->i", normal, incoming), 0)
-    near = np.maximum(np.einsum("ij,ij->i", normal, half), np.float32(1e-6))
-    powered = cv2.exp(gloss * cv2.log(near).ravel()).ravel() if len(near) else near
-    lobe: Float32 = arriving * powered / np.maximum(squared, np.float32(0.04))
-    return lobe

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sceneq_core.arrays import Float32, Int32, UInt8
+from sceneq_core.arrays import Float32, Int64, UInt8
 from sceneq_tools.room.light.texture_atlas import TextureAtlas, halvings, texture_atlas
 from sceneq_tools.room.mesh import Material
 from sceneq_tools.room.textures.linear import linear
 
+WHITE: UInt8 = np.full((1, 1, 4), 255, np.uint8)
 DARKEST, BRIGHTEST = 0.004, 0.85  # black paint reflects a little, white paint not all
 
 
@@ -17,15 +18,15 @@ class Surfaces:
     """One row for each material: how it answers light.
 
     Attributes:
-        colour: float32 (M, 3) linear.
-        texture: int32 (M,) in the atlas, -1 for none; ``shrunk``: float32 (M,) how much smaller
-            the atlas holds it than the material does, 1 or less.
+        colour: float32 (3, M) linear.
+        texture: int64 (M,) in the atlas, a white one for none; ``shrunk``: float32 (M,) how much
+            smaller the atlas holds it than the material does, 1 or less.
         opacity, shine, gloss, emission: float32 (M,), as in ``Material``.
         atlas: all textures.
     """
 
     colour: Float32
-    texture: Int32
+    texture: Int64
     shrunk: Float32
     opacity: Float32
     shine: Float32
@@ -50,7 +51,8 @@ class TextureStore:
         if self._atlas is None or order != self._order:
             self._kept = {key: self._halved(key, t) for key, t in textures.items()}
             self._order = order
-            self._atlas = texture_atlas([levels for _, levels in self._kept.values()])
+            halved = [levels for _, levels in self._kept.values()]
+            self._atlas = texture_atlas([*halved, [WHITE]])
         rows = {key: row for row, key in enumerate(order)}
         return _table(materials, rows, self._atlas)
 
@@ -65,10 +67,10 @@ def _table(materials: list[Material], rows: dict[int, int], atlas: TextureAtlas)
     colour = linear(np.array([m.colour for m in materials], np.float32).reshape(-1, 3))
     plain = np.array([m.texture is None for m in materials], bool)
     colour[plain] = np.clip(colour[plain], DARKEST, BRIGHTEST)
-    texture = [-1 if m.texture is None else rows[id(m.texture)] for m in materials]
+    texture = [len(rows) if m.texture is None else rows[id(m.texture)] for m in materials]
     return Surfaces(
-        colour,
-        np.array(texture, np.int32),
+        np.ascontiguousarray(colour.T),
+        np.array(texture, np.int64),
         np.array(
             [_shrunk(m, t, atlas) for m, t in zip(materials, texture, strict=True)], np.float32
         ),

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import Float32, Int32, UInt8
+from sceneq_core.arrays import Float32, Int64, UInt8
 
 WIDTH_PX = 8192  # cv2.remap takes at most 32767 in either direction
 ROW_PX = 512  # reads are folded into rows of this many, for the same reason
+MOST_ROWS = 16 * 1024
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -17,26 +18,29 @@ class TextureAtlas:
 
     Attributes:
         image: uint8 (h, w, 4) sRGB + alpha.
-        tiles: float32 (T, 4): x, y of the first texel, width, height; one row for each level.
-        first_tile: int32 (N,) row of a texture's full size.
-        levels: int32 (N,) how many rows it has.
+        tiles: float32 (T, 4): x, y of the first texel's corner, half a pixel before its centre,
+            width and height; one row for each level.
+        first_tile: int64 (N,) row of a texture's full size.
+        last_level: int64 (N,) its smallest halving.
     """
 
     image: UInt8
     tiles: Float32
-    first_tile: Int32
-    levels: Int32
+    first_tile: Int64
+    last_level: Int64
 
-    def read(self, texture: Int32, uv: Float32, level: Int32) -> UInt8:
+    def read(self, texture: Int64, uv: Float32, level: Int64) -> UInt8:
         """Return uint8 (N, 4): bilinear in the halving ``level`` of each texture, repeated.
 
         Shapes: texture (N,), uv (N, 2) with v upwards, level (N,) clipped to what there is.
         """
-        tile = self.tiles[self.first_tile[texture] + np.clip(level, 0, self.levels[texture] - 1)]
-        at = uv - np.floor(uv)
-        x = tile[:, 0] + at[:, 0] * tile[:, 2] - np.float32(0.5)
-        y = tile[:, 1] + (1 - at[:, 1]) * tile[:, 3] - np.float32(0.5)
-        return _read(self.image, np.stack([x, y]).astype(np.float32))
+        row = np.minimum(np.maximum(level, 0), self.last_level.take(texture))
+        row += self.first_tile.take(texture)
+        x, y, width, height = np.ascontiguousarray(self.tiles.take(row, axis=0).T)
+        u, v = uv.T
+        width *= u - np.floor(u)
+        height *= 1 + np.floor(v) - v
+        return _read(self.image, x + width, y + height)
 
 
 def halvings(texture: UInt8, largest_px: int) -> list[UInt8]:
@@ -57,10 +61,10 @@ def texture_atlas(textures: list[list[UInt8]]) -> TextureAtlas:
     for row, (tile, (x, y)) in enumerate(zip(tiles, places, strict=True)):
         h, w = tile.shape[:2]
         image[y : y + h, x : x + w] = tile
-        table[row] = x + 1, y + 1, w - 2, h - 2
-    levels = np.array([len(levels) for levels in textures], np.int32)
+        table[row] = x + 0.5, y + 0.5, w - 2, h - 2
+    levels = np.array([len(levels) for levels in textures], np.int64)
     first = np.concatenate([[0], np.cumsum(levels)[:-1]]) if len(levels) else levels
-    return TextureAtlas(image, table, first.astype(np.int32), levels)
+    return TextureAtlas(image, table, first.astype(np.int64), levels - 1)
 
 
 def _resized(image: UInt8, factor: float) -> UInt8:
@@ -85,17 +89,14 @@ def _shelves(sizes: list[tuple[int, int]]) -> tuple[list[tuple[int, int]], int]:
     return places, y + shelf
 
 
-def _read(image: UInt8, at: Float32) -> UInt8:
-    count = at.shape[1]
-    padded = -(-count // ROW_PX) * ROW_PX
-    grid = np.zeros((2, padded), np.float32)
-    grid[:, :count] = at
-    rows = 16 * 1024
-    parts = [
-        cv2.remap(image, x.reshape(-1, ROW_PX), y.reshape(-1, ROW_PX), cv2.INTER_LINEAR)
-        for x, y in np.split(grid, range(rows * ROW_PX, padded, rows * ROW_PX), axis=1)
-        if len(x)
-    ]
-    blank = np.zeros((0, 4), np.uint8)
-    texels = np.concatenate([blank, *(np.asarray(part).reshape(-1, 4) for part in parts)])
-    return texels[:count].astype(np.uint8, copy=False)
+def _read(image: UInt8, x: Float32, y: Float32) -> UInt8:
+    """Read at (x, y), in rows and pieces that are small enough for OpenCV."""
+    count = len(x)
+    grid = np.zeros((2, -(-count // ROW_PX), ROW_PX), np.float32)
+    flat = grid.reshape(2, -1)
+    flat[0, :count], flat[1, :count] = x, y
+    texels = np.empty((*grid.shape[1:], 4), np.uint8)
+    for first in range(0, len(texels), MOST_ROWS):
+        rows = slice(first, first + MOST_ROWS)
+        cv2.remap(image, grid[0, rows], grid[1, rows], cv2.INTER_LINEAR, dst=texels[rows])
+    return texels.reshape(-1, 4)[:count]

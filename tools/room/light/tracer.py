@@ -76,7 +76,7 @@ class Tracer:
             part.distance[missed] = 0
             shaded = self.shader.shade(part, origin, ahead, pixel)
             shaded.cover[missed] = 0
-            radiance[at] = shaded.body * shaded.cover[:, None] + shaded.highlight
+            radiance[at] = shaded.radiance.T
             radiance[at][missed] = 0
             passing[at] = np.where(missed, 0, 1 - shaded.cover)
             there = ~(missed | shaded.hole)
@@ -102,8 +102,7 @@ class Tracer:
         def block(at: slice) -> None:
             part, ray, ahead = _chosen(hits, at), rays[at], directions[at]
             shaded = self.shader.shade(part, origin, ahead, pixel)
-            light = shaded.body * shaded.cover[:, None] + shaded.highlight
-            traced.radiance[ray] += light * passing[ray, None]
+            traced.radiance[ray] += (shaded.radiance * passing[ray]).T
             passing[ray] *= 1 - shaded.cover
             first = ~shaded.hole & (traced.face[ray] < 0)
             traced.face[ray[first]] = part.face[first]
