@@ -29,6 +29,10 @@ def run(
     baseline: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Compare with what --json wrote before.")
     ] = None,
+    png: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Draw the ratios, and what grows with the recording."),
+    ] = None,
     seconds: Annotated[
         float, typer.Option(min=0.01, help="Time for each sampling.", show_default=True)
     ] = 1.0,
@@ -49,6 +53,11 @@ def run(
     if json_file is not None:
         text = json.dumps(as_json(results), ensure_ascii=False, indent=2)
         json_file.write_text(text + "\n", encoding="utf-8")
+    if png is not None:
+        from sceneq_tools.bench.chart import chart
+        from sceneq_tools.scene_picture import write_png
+
+        write_png(chart(results), png)
 
 
 def measure(names: list[str], options: "Options") -> "dict[str, list[Measurement]]":

@@ -46,11 +46,13 @@ class Verdict:
 def questions_of(folder: Path, texts: Sequence[str] = ()) -> list[Question]:
     """Return ``texts`` as questions, or six of the folder's own, or some that fit anywhere.
 
+    The folder's own are those of its demo.txt, one a line, or six of its queries.json.
+
     Raises:
         UserError: queries.json is not what it should be.
     """
     known = _known(folder / "queries.json")
-    if texts:
+    if texts := texts or _chosen(folder / "demo.txt"):
         by_text = {question.text: question for question in known}
         return [by_text.get(text, Question(text)) for text in texts]
     return spread(known, COUNT) or [Question(text) for text in QUESTIONS]
@@ -147,6 +149,10 @@ def _box_at(thing: Thing, frame: int) -> Float64 | None:
     """Return the box (2, 3) of a thing at ``frame``, ``None`` when it is not there."""
     boxes = [period["box"] for period in thing["history"] if period["from_frame"] <= frame]
     return np.array(boxes[-1], np.float64) if boxes and boxes[-1] is not None else None
+
+
+def _chosen(path: Path) -> list[str]:
+    return [line for line in path.read_text().splitlines() if line] if path.is_file() else []
 
 
 def _known(path: Path) -> list[Question]:

@@ -10,13 +10,17 @@ from sceneq_tools.errors import UserError
 if TYPE_CHECKING:
     from sceneq_tools.synth import Plan, SynthParams
 
+DEFAULT_FRAMES = 200
 DEFAULT_CHANGES = 4
 
 
 def run(
     out: Annotated[Path, typer.Argument(help="Folder to write; appears when all is done.")],
     seed: Annotated[int, typer.Option(min=0, help="Of everything: same seed, same bytes.")] = 0,
-    frames: Annotated[int, typer.Option(min=1, help="How many frames.")] = 200,
+    frames: Annotated[
+        int | None,
+        typer.Option(min=1, help="How many frames.  [default: 200; 60 in each room of a suite]"),
+    ] = None,
     room: Annotated[
         str, typer.Option(help="kitchen, living_room, office, bedroom or mixed.")
     ] = "mixed",
@@ -28,6 +32,12 @@ def run(
     size: Annotated[str, typer.Option(help="Of the images, WIDTHxHEIGHT.")] = "640x480",
     clean: Annotated[bool, typer.Option("--clean", help="Without sensor noise.")] = False,
     quality: Annotated[int, typer.Option(min=1, max=100, help="Of the colour JPEGs.")] = 92,
+    suite: Annotated[
+        bool,
+        typer.Option(
+            "--suite", help="The benchmark of eight rooms instead; of the others --frames only."
+        ),
+    ] = False,
     force: Annotated[
         bool, typer.Option("--force", help="Write into a folder that holds other files too.")
     ] = False,
@@ -36,11 +46,14 @@ def run(
     """Record a walk through a furnished room that does not exist, with exact truth."""
     from sceneq_tools.synth import SynthParams
 
+    if suite:
+        _synth_suite(out, frames, force, quiet)
+        return
     try:
         params = SynthParams(
             seed=seed,
             kind=room,
-            frames=frames,
+            frames=frames or DEFAULT_FRAMES,
             rate_hz=rate,
             size=_size(size),
             pace=pace,
@@ -71,6 +84,22 @@ def _synth(params: "SynthParams", out: Path, force: bool, quiet: bool) -> str:
         with progress("asking", None, quiet=quiet):
             queries = write_truth(planned, truth, folder, command_line(planned, out.name))
     return f"{params.frames} frames, {len(queries['queries'])} questions -> {out}"
+
+
+def _synth_suite(out: Path, frames: int | None, force: bool, quiet: bool) -> None:
+    from sceneq_tools.room.models.libraries import open_library
+    from sceneq_tools.suite import ROOMS, SuiteParams, make_suite
+
+    def make(params: "SynthParams", folder: Path) -> str:
+        return _synth(params, folder, force, quiet)
+
+    try:
+        params = SuiteParams(frames) if frames else SuiteParams()
+        made = make_suite(out, params, open_library().name, make, quiet)
+    except (ValueError, OSError) as error:
+        raise UserError(str(error)) from error
+    if not quiet:
+        typer.echo(f"{made} of {len(ROOMS)} rooms made, the others were there -> {out}")
 
 
 def command_line(planned: "Plan", out: str) -> str:

@@ -96,6 +96,7 @@ class _Scene:
         self._is_shell = shell_points(cloud.instance_id, things) & ~marked
         self._open = below_ceiling(self._points_room, self._is_shell)
         self._open &= without_specks(self._points_room, cloud.instance_id == 0)
+        self._open = _or_all(self._open)
 
     def plan(self, rect: Rect, letter_px: int) -> tuple[Panel, str]:
         """Return the view from above and what it is called."""
@@ -112,7 +113,8 @@ class _Scene:
         self, name: str, azimuth_deg: float, rect: Rect, letter_px: int
     ) -> tuple[Panel, str]:
         """Return the view from a corner and what it is called."""
-        kept = self._open & open_towards(self._points_room, self._is_shell, azimuth_deg)
+        open_here = open_towards(self._points_room, self._is_shell, azimuth_deg)
+        kept = _or_all(self._open & open_here)
         size = _size(rect, letter_px)
         points = self._kept_points(kept)
         viewpoint = from_corner(points, self._R_room_world, azimuth_deg, size)
@@ -136,6 +138,11 @@ class _Scene:
         )
         colours = self._colours[kept]
         return draw_panel(viewpoint, cloud, colours, self._things, self._marks, taken, letter_px)
+
+
+def _or_all(kept: Bool) -> Bool:
+    """Return ``kept``; all points of a map that would else have none left, such as a wall alone."""
+    return kept if kept.any() else np.ones_like(kept)
 
 
 def _layout(size: tuple[int, int]) -> _Layout:

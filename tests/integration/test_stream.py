@@ -112,21 +112,6 @@ def test_the_command_line_answers_and_explains(settled: LiveGraph) -> None:
     assert "blue box" in shown
 
 
-def test_the_demo_asks_while_it_plays_and_leaves_the_pictures(
-    graph: Path, recording: Path, tmp_path: Path
-) -> None:
-    done = run(
-        sys.executable, "-m", "sceneq_tools", "demo", str(recording), str(tmp_path / "out"),
-        "--graph", str(graph), "--rate", "2", "-q", "red ball", "-q", "blue box",
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout + done.stderr
-    while_playing, afterwards = done.stdout.split("the recording is over")
-    assert "'red ball'" in while_playing
-    assert "'blue box'" in afterwards
-    pictures = {path.name for path in (tmp_path / "out").glob("*.png")}
-    assert pictures == {"instances.png", "evidence-1.png", "evidence-2.png"}
-
-
 def test_a_killed_node_comes_back_and_queries_work_again(
     graph: Path, recording: Path, runtime: Path
 ) -> None:

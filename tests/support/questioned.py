@@ -12,6 +12,7 @@ from sceneq_core.reasoning.geometric import GeometricParams, GeometricReasoner
 from sceneq_core.routing.labels import Labeller, custom
 from sceneq_core.routing.router import Router, RouterParams
 from sceneq_core.views.choice import ChoiceParams
+from sceneq_core.views.selector import ViewParams
 from sceneq_tools.evaluation.retrieval_setup import Setup
 
 from support.recording import write_recording
@@ -62,7 +63,7 @@ def hash_setup(every: int = 1) -> Setup:
         reasoner=GeometricReasoner(GeometricParams()),
         calibration=None,
         keyframes={"kind": "every", "every": every},
-        choice=ChoiceParams(min_visible_px=16),
+        views=ViewParams(ChoiceParams(min_visible_px=16)),
         describe=DescribeParams(),
     )
 

@@ -140,7 +140,7 @@ def test_every_bench_can_be_loaded() -> None:
 
 
 def test_frames_a_second_are_over_all_frames() -> None:
-    ms, per_s = render.frames("frame", [100.0, 100.0, 400.0], 10.0)
+    ms, per_s = render.frames("frame", [100.0, 100.0, 400.0], 5.0, 10.0)
     assert (ms.value, ms.ratio) == (100.0, 10.0)
     assert (per_s.value, per_s.reference) == (5.0, 100.0)
 

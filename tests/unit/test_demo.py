@@ -77,6 +77,14 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+def test_a_folder_may_say_what_to_ask(folder: Path) -> None:
+    (folder / "demo.txt").write_text("sofa\n\nwhere is my hat\n")
+    asked = questions_of(folder)
+    assert [question.text for question in asked] == ["sofa", "where is my hat"]
+    assert asked[0].targets is not None
+    assert asked[1].targets is None
+
+
 def test_questions_are_spread_over_buckets_and_targets(folder: Path) -> None:
     known = questions_of(folder)
     assert len(known) == 5

@@ -20,15 +20,16 @@ EMPTY = group(plate(0)).renumbered(np.array([-1, -1], np.int32))
 
 
 def test_the_nearest_of_all_groups_is_met_and_distance_counts_in_directions() -> None:
-    hits = Raycaster((group(plate(0.0)),), (group(plate(1.0)),)).nearest(*DOWN)
+    hits = Raycaster((), (group(plate(0.0)), group(plate(1.0)))).nearest(*DOWN)
 
     assert hits.distance[0] == pytest.approx(1.0)
     np.testing.assert_allclose(hits.normal[0], [0, 0, 1])
 
 
 def test_only_solid_triangles_block_light() -> None:
-    raycaster = Raycaster((group(plate(0.0)),), (group(plate(1.0)),))
+    raycaster = Raycaster((group(plate(0.0)),), (group(plate(0.0), plate(1.0)),))
 
+    assert raycaster.nearest(*DOWN).distance[0] == pytest.approx(1.0)
     assert raycaster.nearest_solid(*DOWN).distance[0] == pytest.approx(1.5)
     assert raycaster.occluded(*DOWN, reach=1.6).tolist() == [True]
     assert raycaster.occluded(*DOWN, reach=1.4).tolist() == [False]
@@ -36,7 +37,7 @@ def test_only_solid_triangles_block_light() -> None:
 
 def test_a_ray_goes_on_behind_what_is_gone() -> None:
     two = group(plate(0.0), plate(1.0)).renumbered(np.array([40, 41, -1, -1], np.int32))
-    hits = Raycaster((two,), ()).nearest(*DOWN)
+    hits = Raycaster((two,), (two,)).nearest(*DOWN)
 
     assert hits.distance[0] == pytest.approx(1.5)
     assert hits.face[0] in (40, 41)
@@ -45,7 +46,7 @@ def test_a_ray_goes_on_behind_what_is_gone() -> None:
 
 
 def test_a_room_of_which_nothing_is_left_is_empty() -> None:
-    raycaster = Raycaster((EMPTY,), ())
+    raycaster = Raycaster((EMPTY,), (EMPTY,))
 
     assert raycaster.nearest(*DOWN).face.tolist() == [-1]
     assert np.isinf(raycaster.nearest(*DOWN).distance).all()

@@ -6,7 +6,7 @@ import pytest
 from sceneq_core.picture.colours import MARK_COLOURS
 from sceneq_core.picture.panel import draw_panel, point_colours
 from sceneq_core.picture.projection import from_above, from_corner
-from sceneq_core.picture.scene import Thing
+from sceneq_core.picture.scene import Cloud, Thing
 from sceneq_core.picture.sheet import Heading, draw_sheet
 
 from support.furnished_cloud import BOX_M, BOXES, cloud, mark, only, open_room, things
@@ -73,3 +73,18 @@ def test_nothing_to_draw_and_too_small_a_sheet_are_refused() -> None:
         draw_sheet(nothing, [], [], HEADING, SIZE)
     with pytest.raises(ValueError, match="400 x 250"):
         draw_sheet(scene, [], [], HEADING, (300, 200))
+
+
+@pytest.mark.parametrize("instance_id", [0, 1])
+def test_a_map_of_one_voxel_is_drawn(instance_id: int) -> None:
+    """The first frame may have shown next to nothing, all of it loose points or a wall."""
+    one = Cloud(
+        points_world=np.zeros((1, 3), np.float32),
+        rgb=np.full((1, 3), 200, np.uint8),
+        instance_id=np.full(1, instance_id, np.int32),
+        voxel_size_m=0.02,
+        up_world=np.array([0.0, 0.0, 1.0]),
+    )
+    sheet = draw_sheet(one, [], [], Heading("one", "voxel", ""))
+    assert sheet.shape == (1000, 1600, 3)
+    assert len(np.unique(sheet.reshape(-1, 3), axis=0)) > 5

@@ -35,13 +35,17 @@ class Options:
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """A ``value`` in ``unit`` beside the ``reference``, in the same unit, that ``beside`` names."""
+    """A ``value`` in ``unit`` beside the ``reference``, in the same unit, that ``beside`` names.
+
+    ``series`` is how it came about, in the same unit, where it grew with the recording.
+    """
 
     name: str
     value: float
     unit: str
     beside: str = ""
     reference: float | None = None
+    series: tuple[float, ...] = ()
 
     @property
     def ratio(self) -> float | None:

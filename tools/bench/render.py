@@ -3,6 +3,7 @@
 import os
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import partial
 from typing import Any
@@ -43,20 +44,21 @@ def render(options: Options) -> Iterator[Measurement]:
         yield Measurement(f"light it {what}", light_s, "s")
         poses = camera_path(room, options.frames or FRAMES, RATE_HZ, SEED)
         bare_ms = median(samples_ms(cube_cast(CAMERA), options.seconds))
-        rng = np.random.default_rng(SEED)
-        taken_ms, busy_ms = looks(
-            lambda pose: measure(renderer.render(pose, CAMERA), rng), poses, options.quiet
-        )
-        yield from frames(f"frame of 640x480 {what}", taken_ms, bare_ms)
+
+        def look(pose: Float64) -> object:
+            return measure(renderer.render(pose, CAMERA), np.random.default_rng(SEED))
+
+        taken_ms, busy_ms = looks(look, poses, options.quiet)
+        per_s = looks_per_s(look, poses)
+        yield from frames(f"frame of 640x480 {what}", taken_ms, per_s, bare_ms)
         # Of all threads together: what others do on this machine does not change it.
         yield Measurement(f"frame of 640x480 {what}, processor", median(busy_ms), "ms")
 
 
-def frames(name: str, taken_ms: list[float], bare_ms: float) -> Iterator[Measurement]:
-    """Return the time of a frame, and frames a second over all of them."""
-    per_s = 1000 * len(taken_ms) / sum(taken_ms)
+def frames(name: str, taken_ms: list[float], per_s: float, bare_ms: float) -> Iterator[Measurement]:
+    """Return the time of one frame after another, and frames a second, ``CORES`` at a time."""
     yield Measurement(name, median(taken_ms), "ms", BESIDE, bare_ms)
-    yield Measurement(name, per_s, "frames/s", BESIDE, 1000 / bare_ms)
+    yield Measurement(f"{name}, {CORES} at a time", per_s, "frames/s", BESIDE, 1000 / bare_ms)
 
 
 @contextmanager
@@ -98,6 +100,13 @@ def looks(
             taken_ms.append(1000 * taken_s)
             advance()
     return taken_ms, busy_ms
+
+
+def looks_per_s(look: Callable[[Float64], Any], poses: list[Float64]) -> float:
+    """Return how many looks are done in a second, ``CORES`` at a time, as a recording is made."""
+    with ThreadPoolExecutor(CORES) as pool:
+        _, taken_s = _timed(lambda: list(pool.map(look, poses)))
+    return len(poses) / taken_s
 
 
 def _timed(work: Callable[[], Any]) -> tuple[Any, float]:

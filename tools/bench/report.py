@@ -34,6 +34,7 @@ def as_json(results: Results) -> dict[str, Any]:
                 "beside": one.beside,
                 "reference": one.reference,
                 "ratio": one.ratio,
+                **({"series": [round(v, 2) for v in one.series]} if one.series else {}),
             }
             for bench, measured in results.items()
             for one in measured

@@ -3,6 +3,7 @@
 import resource
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 from sceneq_tools.bench.measurement import Measurement, Options, median
 from sceneq_tools.bench.recording import open_batch, play
@@ -34,7 +35,13 @@ MIB_KIB = 1024
 
 def stages(options: Options) -> Iterator[Measurement]:
     """Run the recording and tell what each node, and each step of mapping, took a keyframe."""
-    stopwatch = Stopwatch()
+    memory_mib: list[float] = []
+
+    def measure_memory(stage: str) -> None:
+        if stage == KEYFRAME:
+            memory_mib.append(_memory_mib())
+
+    stopwatch = Stopwatch(measure_memory)
     before_ms = fixed_work_ms()
     with stopwatch.watching({**NODES, **PARTS, **KEYFRAMES}):
         batch = open_batch(options)
@@ -55,7 +62,7 @@ def stages(options: Options) -> Iterator[Measurement]:
     yield Measurement("end to end", keyframes / took_s, "keyframes/s", NAME, per_s)
     yield Measurement("end to end", frames / took_s, "frames/s", NAME, per_s)
     yield from growth(integrated_ms)
-    yield Measurement("memory at most", _peak_mib(), "MiB")
+    yield Measurement("memory at most", _peak_mib(), "MiB", series=tuple(memory_mib))
 
 
 def growth(integrated_ms: list[float]) -> Iterator[Measurement]:
@@ -63,7 +70,14 @@ def growth(integrated_ms: list[float]) -> Iterator[Measurement]:
     third = len(integrated_ms) // 3
     if third:
         early_ms, late_ms = median(integrated_ms[:third]), median(integrated_ms[-third:])
-        yield Measurement("mapping, last third", late_ms, "ms", "its first third", early_ms)
+        beside, series = "its first third", tuple(integrated_ms)
+        yield Measurement("mapping, last third", late_ms, "ms", beside, early_ms, series)
+
+
+def _memory_mib() -> float:
+    """Return what this process holds now."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * resource.getpagesize() / 2**20
 
 
 def _peak_mib() -> float:

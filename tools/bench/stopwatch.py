@@ -9,9 +9,13 @@ from typing import Any
 
 
 class Stopwatch:
-    """How long each call took: ``taken_ms[stage]``, in the order of the calls."""
+    """How long each call took: ``taken_ms[stage]``, in the order of the calls.
 
-    def __init__(self) -> None:
+    ``after`` is told the stage after each of its calls, with the watch stopped.
+    """
+
+    def __init__(self, after: Callable[[str], None] | None = None) -> None:
+        self._after = after
         self.taken_ms: dict[str, list[float]] = {}
 
     @contextmanager
@@ -37,10 +41,12 @@ class Stopwatch:
         for parent in parents:
             owner = getattr(owner, parent)
         plain = getattr(owner, name)
-        setattr(owner, name, self._timed(plain, self.taken_ms.setdefault(stage, [])))
+        setattr(owner, name, self._timed(stage, plain))
         return lambda: setattr(owner, name, plain)
 
-    def _timed(self, plain: Callable[..., Any], taken_ms: list[float]) -> Callable[..., Any]:
+    def _timed(self, stage: str, plain: Callable[..., Any]) -> Callable[..., Any]:
+        taken_ms = self.taken_ms.setdefault(stage, [])
+
         @wraps(plain)
         def timed(*args: Any, **kwargs: Any) -> Any:
             start_s = time.perf_counter()
@@ -48,5 +54,7 @@ class Stopwatch:
                 return plain(*args, **kwargs)
             finally:
                 taken_ms.append(1000 * (time.perf_counter() - start_s))
+                if self._after is not None:
+                    self._after(stage)
 
         return timed

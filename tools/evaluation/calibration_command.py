@@ -33,7 +33,7 @@ GATE_COLUMNS = ("threshold", "x 0.9", "x 1", "x 1.1")
 
 Recordings = Annotated[
     list[Path],
-    typer.Argument(metavar="RECORDING...", help="Rendered recordings with queries and truth."),
+    typer.Argument(metavar="RECORDING", help="Rendered recordings with queries and truth."),
 ]
 
 

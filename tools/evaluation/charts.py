@@ -6,7 +6,7 @@ from typing import Any
 
 INK, FAINT, GRID = "#26282c", "#787c82", "#e3e5e8"
 COLOURS = ("#2f6db3", "#c8742a", "#4b8a5a", "#8a5fa8")
-SIDE, LEFT, BOTTOM, MARGIN = 240, 46, 40, 12
+SIDE, LEFT, BOTTOM, MARGIN = 212, 52, 40, 12
 TICKS = (0.0, 0.25, 0.5, 0.75, 1.0)
 COUNT_SHARE = 0.25
 """Of the height: the tallest bar of how many predictions a bin holds."""
@@ -53,11 +53,11 @@ def risk_coverage(curves: Mapping[str, Curve]) -> str:
 
 def bars(values: Mapping[str, float], unit: str) -> str:
     """Return horizontal bars with their values."""
-    width, row_px, label_px = 720, 22, 190
+    width, row_px, label_px, value_px = 760, 22, 190, 150
     most = max([*values.values(), 1e-12])
     rows = []
     for row, (name, value) in enumerate(values.items()):
-        y, long = row * row_px, (width - label_px - 110) * value / most
+        y, long = row * row_px, (width - label_px - value_px) * value / most
         middle = f'y="{y + 15}"'
         rows += [
             f'<text x="{label_px - 8}" {middle} text-anchor="end" fill="{INK}">{escape(name)}'

@@ -22,7 +22,7 @@ from sceneq_core.mapping.replica import MapReplica
 from sceneq_core.routing.scene import Revision, Scene, SceneSnapshot, ViewRef
 from sceneq_core.views.jpeg import rgb_from_jpeg
 from sceneq_core.views.place import STRIDE_PX, Places
-from sceneq_core.views.selector import ViewParams, ViewSelector
+from sceneq_core.views.selector import ViewSelector
 from sceneq_core.views.view import View, ViewSet
 from sceneq_nodes._ingesting import IngestSpecs, new_ingestor, open_source
 from sceneq_tools.errors import UserError
@@ -96,7 +96,7 @@ def oracle(folder: Path, setup: Setup, advance: Advance) -> Oracle:
     """
     things = read_things(folder / THINGS_FILE)
     instances = _instances(folder, [thing for thing in things if is_candidate(thing)])
-    selector = ViewSelector(ViewParams(setup.choice), TruePlaces(folder, things))
+    selector = ViewSelector(setup.views, TruePlaces(folder, things))
     selector.follow(_map(instances))
     last = _look(folder, setup, selector)
     scene = Scene(setup.router.labeller)

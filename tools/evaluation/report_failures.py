@@ -95,7 +95,10 @@ def pictures(failure: Failure) -> Iterable[tuple[str, UInt8]]:
     folder = failure.asked.scene.recording.folder
     if (answered := failure.answered) and (view := _best_view(answered)):
         right = _shown_box(folder, view.seq, sorted(failure.answer.query.targets))
-        yield "answered", _marked(folder, view.seq, [(right, RIGHT_BGR), (view.box_xyxy, WRONG_BGR)])
+        yield (
+            "answered",
+            _marked(folder, view.seq, [(right, RIGHT_BGR), (view.box_xyxy, WRONG_BGR)]),
+        )
     if (wanted := failure.wanted) and (view := _best_view(wanted)):
         yield "right", _marked(folder, view.seq, [(view.box_xyxy, RIGHT_BGR)])
 

@@ -13,19 +13,21 @@ Json = Mapping[str, Any]
 
 STYLE = """
 :root { color-scheme: light; }
-body { font: 15px/1.45 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; color: #26282c;
-  max-width: 1120px; margin: 32px auto 80px; padding: 0 24px; background: #fff; }
+body { font: 14px/1.45 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; color: #26282c;
+  max-width: 1320px; margin: 32px auto 80px; padding: 0 24px; background: #fff; }
 h1 { font-size: 26px; margin: 0 0 6px; } h2 { font-size: 20px; margin: 44px 0 8px; }
 h3 { font-size: 15px; margin: 22px 0 6px; } p { margin: 6px 0; max-width: 90ch; }
 .note { color: #686c72; font-size: 13px; } code { font: 13px ui-monospace, "DejaVu Sans Mono",
   monospace; background: #f3f4f6; padding: 1px 4px; overflow-wrap: anywhere; }
 .wide { overflow-x: auto; } table { border-collapse: collapse; margin: 6px 0 10px; }
-th, td { padding: 3px 12px 3px 0; text-align: right; font-variant-numeric: tabular-nums;
-  white-space: nowrap; vertical-align: top; } th { font-weight: 600; border-bottom: 1px solid #999; }
+th, td { padding: 3px 11px 3px 0; text-align: right; font-variant-numeric: tabular-nums;
+  white-space: nowrap; vertical-align: top; }
+th { font-weight: 600; border-bottom: 1px solid #999; vertical-align: bottom;
+  white-space: normal; max-width: 112px; line-height: 1.25; }
 td { border-bottom: 1px solid #eceef0; } th.text, td.text { text-align: left; }
-.row { display: flex; flex-wrap: wrap; gap: 28px; } svg { font: 12px system-ui, "DejaVu Sans",
+.row { display: flex; flex-wrap: wrap; gap: 20px; } svg { font: 12px system-ui, "DejaVu Sans",
   sans-serif; display: block; } figure { margin: 0; } figcaption { font-size: 13px; color: #686c72;
-  max-width: 400px; } .failure { border-top: 1px solid #e3e5e8; padding: 12px 0; }
+  max-width: 270px; } .failure { border-top: 1px solid #e3e5e8; padding: 12px 0; }
 .failure img, .maps img { display: block; max-width: 100%; } .wrong { color: #b8352a; }
 .right { color: #2f7a3c; } .maps { display: grid; gap: 18px;
   grid-template-columns: repeat(auto-fill, minmax(330px, 1fr)); }
@@ -55,7 +57,9 @@ def page(document: Json, sheets: Mapping[str, str]) -> str:
 
 
 def _head(document: Json, title: str) -> str:
-    setup = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in document["setup"].items())
+    setup = ", ".join(
+        f"{key.replace('_', ' ')} {value}" for key, value in document["setup"].items()
+    )
     machine = document["machine"]
     return (
         f"<h1>{escape(title)}</h1><p><code>{escape(document['command'])}</code></p>"
@@ -69,6 +73,7 @@ def _head(document: Json, title: str) -> str:
 
 def _recordings(document: Json) -> Iterator[str]:
     yield _table(tables.recordings(document["recordings"]))
+    yield _notes(tables.makers(document["recordings"]))
 
 
 def _instances(document: Json) -> Iterator[str]:
@@ -82,8 +87,7 @@ def _instances(document: Json) -> Iterator[str]:
 
 
 def _retrieval(document: Json) -> Iterator[str]:
-    for record in document["retrieval"]:
-        yield _table(tables.retrieval(record))
+    yield _table(tables.retrieval(document["retrieval"]))
     yield _note(
         f"{document['retrieval'][0]['protocol']}; ms: median, the question read for the first time."
     )
@@ -113,16 +117,13 @@ def _diagrams(record: Json) -> Iterator[str]:
     for task in record["tasks"]:
         says = f"{tables.task_name(task)}: {task['guesses']} guesses, ECE {task['ece_width']:.3f}"
         yield _figure(reliability(task["bins"]), says)
-    curves = {
-        tables.task_name(task): (task["coverage"], task["risk"]) for task in record["tasks"]
-    }
+    curves = {tables.task_name(task): (task["coverage"], task["risk"]) for task in record["tasks"]}
     yield _figure(risk_coverage(curves), "risk against coverage")
 
 
 def _ablation(document: Json) -> Iterator[str]:
     yield _note("The same questions about the true instances, with three ways to reason.")
-    for record in document["ablation"]:
-        yield _table(tables.ablation(record))
+    yield _table(tables.ablation(document["ablation"]))
 
 
 def _time(document: Json) -> Iterator[str]:
@@ -156,9 +157,9 @@ def _failure(record: Json) -> str:
     )
     return (
         f'<div class="failure"><p><b>{escape(record["question"])}</b> ({escape(record["bucket"])}) '
-        f'in {escape(record["recording"])}, {escape(record["candidates"])} '
+        f"in {escape(record['recording'])}, {escape(record['candidates'])} "
         f'({escape(record["hit_rule"])})<br><span class="wrong">{escape(record["status"])}, '
-        f'{escape(record["route"])}, p {record["p"]:.2f}: {escape(answered)}</span>; '
+        f"{escape(record['route'])}, p {record['p']:.2f}: {escape(answered)}</span>; "
         f'<span class="right">right: {escape(right)}</span></p>'
         f'<p class="note">{escape(record["reason"])}</p><div class="row">{figures}</div></div>'
     )

@@ -121,7 +121,7 @@ def print_retrieval(result: "Retrieval") -> None:
     print_table(COLUMNS, [_row(score) for score in result.buckets], title)
     typer.echo(f"{PROTOCOL}; ms: median, the question read for the first time")
     unreachable = result.buckets[-1].unreachable
-    typer.echo(f"no candidate is a target: {unreachable}, whatever is answered")
+    typer.echo(f"questions without a right candidate, whatever is answered: {unreachable}")
     typer.echo(f"wrongly not found: {result.wrongly_not_found}")
 
 

@@ -9,7 +9,7 @@ from sceneq_core.encoding.describe import DescribeParams
 from sceneq_core.encoding.encoder import Encoder
 from sceneq_core.reasoning.reasoner import Reasoner
 from sceneq_core.routing.router import Router
-from sceneq_core.views.choice import ChoiceParams
+from sceneq_core.views.selector import ViewParams
 from sceneq_nodes._backends import build
 from sceneq_nodes._calibration import Calibration, given_calibration
 from sceneq_nodes._ingesting import Spec
@@ -41,7 +41,7 @@ class Setup:
     reasoner: Reasoner
     calibration: Calibration | None
     keyframes: Spec
-    choice: ChoiceParams
+    views: ViewParams
     describe: DescribeParams
     read_ms: dict[str, float] = field(default_factory=dict)
 
@@ -89,6 +89,7 @@ def _setup(params: Mapping[str, Mapping[str, Any]], calibration: Path | None) ->
     encoding = _validated(EncodingParams, params, "encoding")
     reasoning = _validated(ReasoningParams, params, "reasoning")
     encoder: Encoder = build("encoder", encoding.encoder, ("encoder",))
+    views = _validated(ViewsParams, params, "views")
     fitted = given_calibration(str(calibration) if calibration else routing.calibration)
     return Setup(
         encoder=encoder,
@@ -96,7 +97,7 @@ def _setup(params: Mapping[str, Mapping[str, Any]], calibration: Path | None) ->
         reasoner=build("reasoner", reasoning.reasoner, ("reasoner",)),
         calibration=fitted,
         keyframes=params.get("ingest", {}).get("keyframes", EVERY_TENTH),
-        choice=_validated(ViewsParams, params, "views").choice,
+        views=ViewParams(views.choice, views.archive),
         describe=encoding.describe,
     )
 

@@ -16,7 +16,8 @@ from sceneq_tools.suite import TEST, TUNING
 
 Json = dict[str, Any]
 
-CONFIGURED, FITTED = "as configured", "fitted on the tuning rooms"
+CONFIGURED, FITTED = "configured", "fitted"
+"""As the graph says, and with temperature and gate fitted on the tuning rooms."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,11 +26,13 @@ class Evaluation:
 
     Attributes:
         document: what report.json holds of them.
+        scenes: what was measured.
         fitted: the calibration of the tuning rooms; ``None`` without such rooms.
         asked: the answers as configured, for pictures of those that are wrong.
     """
 
     document: Json
+    scenes: tuple[SuiteScene, ...]
     fitted: Fitted | None
     asked: tuple[Asked, ...]
 
@@ -65,7 +68,7 @@ def evaluate(scenes: Sequence[SuiteScene], setup: Setup) -> Evaluation:
             for name, one in setups.items()
         ],
     }
-    return Evaluation(document, fitted, tuple(asked[CONFIGURED]))
+    return Evaluation(document, tuple(scenes), fitted, tuple(asked[CONFIGURED]))
 
 
 def _fitted(scenes: Sequence[SuiteScene], setup: Setup) -> Fitted | None:

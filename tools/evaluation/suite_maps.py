@@ -6,6 +6,7 @@ the same: a number from an older mapper would be a wrong number.
 
 import hashlib
 import json
+import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,6 +33,7 @@ class Mapped:
         key: of everything it was made from.
         frames: played; ``keyframes`` of them are in the map.
         taken_ms: of each stage (``bench.stages``), in all, when the map was made.
+        took_s: to make it, reading and writing included.
         troubles: counters of what was lost or refused.
         was_there: it was made by an earlier run.
     """
@@ -41,6 +43,7 @@ class Mapped:
     frames: int
     keyframes: int
     taken_ms: dict[str, float]
+    took_s: float
     troubles: dict[str, int]
     was_there: bool
 
@@ -127,7 +130,7 @@ def _make(plan: "Plan", name: str, folder: Path, quiet: bool) -> dict[str, Any]:
     from sceneq_tools.bench.stopwatch import Stopwatch
     from sceneq_tools.collect import collect
 
-    stopwatch = Stopwatch()
+    stopwatch, start_s = Stopwatch(), time.perf_counter()
     with stopwatch.watching({**NODES, **PARTS, **KEYFRAMES}):
         batch = Batch(plan)
         try:
@@ -140,6 +143,7 @@ def _make(plan: "Plan", name: str, folder: Path, quiet: bool) -> dict[str, Any]:
         "frames": frames,
         "keyframes": len(stopwatch.taken_ms.pop(KEYFRAME)),
         "taken_ms": {stage: round(sum(ms), 1) for stage, ms in stopwatch.taken_ms.items()},
+        "took_s": round(time.perf_counter() - start_s, 1),
         "troubles": troubles,
     }
 

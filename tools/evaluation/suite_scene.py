@@ -1,7 +1,9 @@
 """One recording of an evaluation: its map, its true instances, and what is asked about both."""
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from sceneq_core.routing.answer import FALLBACK, FAST, REASONED
 from sceneq_tools.evaluation.calibration import Scene
@@ -11,10 +13,16 @@ from sceneq_tools.evaluation.retrieval import Retrieval, evaluate_retrieval, is_
 from sceneq_tools.evaluation.retrieval_asking import Answered
 from sceneq_tools.evaluation.retrieval_candidates import Candidates, Matches, map_candidates
 from sceneq_tools.evaluation.retrieval_command import THRESHOLDS, true_of
-from sceneq_tools.evaluation.retrieval_queries import Query, Questioned, read_questioned
+from sceneq_tools.evaluation.retrieval_queries import (
+    QUERIES_FILE,
+    Query,
+    Questioned,
+    read_questioned,
+)
 from sceneq_tools.evaluation.retrieval_setup import Setup
-from sceneq_tools.evaluation.suite_maps import Mapped, MapOptions, mapped
+from sceneq_tools.evaluation.suite_maps import MapOptions, Mapped, mapped
 from sceneq_tools.evaluation.suite_recordings import Recording
+from sceneq_tools.evaluation.true_things import THINGS_FILE, read_things
 
 ROUTES = (FAST, REASONED, FALLBACK)
 RIGHT, WRONG = "right", "wrong"
@@ -72,7 +80,7 @@ def read_suite_scene(
     Raises:
         UserError: something is missing, malformed, or does not fit together.
     """
-    questioned = read_questioned(recording.folder)
+    questioned = questioned_of(recording.folder)
     made = mapped(recording, options, quiet)
     prediction, truth = read_prediction(made.folder), read_truth(recording.folder)
     return SuiteScene(
@@ -83,6 +91,15 @@ def read_suite_scene(
         own=map_candidates(made.folder, recording.folder, truth, setup, THRESHOLDS),
         true=true_of(questioned, _seeing(setup, recording), quiet),
     )
+
+
+def questioned_of(folder: Path) -> Questioned:
+    """Return things and questions of a recording; without queries.json only its things."""
+    if (folder / QUERIES_FILE).is_file():
+        return read_questioned(folder)
+    things = read_things(folder / THINGS_FILE)
+    digest = hashlib.sha256((folder / THINGS_FILE).read_bytes()).hexdigest()
+    return Questioned(folder, things, (), digest)
 
 
 def ask(scene: SuiteScene, setup: Setup) -> tuple[Asked, ...]:

@@ -7,10 +7,12 @@ import numpy as np
 
 from sceneq_core.arrays import Float32, Float64, UInt8
 from sceneq_core.ingest.source import Camera
+from sceneq_tools.room.camera.grain import grain
 from sceneq_tools.room.rendering import Rendering
 from sceneq_tools.room.textures.linear import GAMMA, LINEAR_OF_BYTE
 
 MOST_STEPS = 9  # copies that a blurred image is made of
+STEPS = 8192  # of light, of which the 256 values of sRGB are made
 FAR_M = 10.0  # where nothing was met, the background moves as at this depth
 
 
@@ -48,29 +50,30 @@ class ColourSensor:
         self, rendering: Rendering, rng: np.random.Generator, motion: "Motion | None" = None
     ) -> UInt8:
         """Return sRGB uint8 (H, W, 3); ``motion`` blurs it when the shutter is open at all."""
-        light: Float32 = LINEAR_OF_BYTE[rendering.rgb]
+        light: Float32 = np.asarray(cv2.LUT(rendering.rgb, LINEAR_OF_BYTE[None]), np.float32)
         if motion is not None and self.shutter > 0:
             light = motion.blurred(light, rendering.depth_m, self.shutter)
         if self.blur_px > 0:
-            light = np.asarray(cv2.GaussianBlur(light, (0, 0), self.blur_px), np.float32)
-        light = light * self._lens(light.shape)[..., None]
-        return _encoded(light + self._noise(light, rng))
+            cv2.GaussianBlur(light, (0, 0), self.blur_px, dst=light)
+        light *= self._lens(light.shape)[..., None]
+        light += self._noise(light, rng)
+        return _encoded(light)
 
     def _lens(self, shape: tuple[int, ...]) -> Float32:
         height, width = shape[:2]
-        y, x = np.mgrid[:height, :width].astype(np.float32)
-        across = (2 * x - width + 1) / width
-        down = (2 * y - height + 1) / height
-        lens: Float32 = 1 - np.float32(self.vignetting / 2) * (across**2 + down**2)
+        across = (2 * np.arange(width, dtype=np.float32) - width + 1) / width
+        down = (2 * np.arange(height, dtype=np.float32) - height + 1) / height
+        half = np.float32(self.vignetting / 2)
+        lens: Float32 = (1 - half * across**2) - (half * down**2)[:, None]
         return lens
 
     def _noise(self, light: Float32, rng: np.random.Generator) -> Float32:
-        grain = rng.standard_normal(light.shape, np.float32)
-        if self.grain_px > 0:
-            grain = np.asarray(cv2.GaussianBlur(grain, (0, 0), self.grain_px), np.float32)
-            grain /= max(float(grain.std()), 1e-9)
-        sigma = np.sqrt(np.maximum(light, 0) * self.photons + self.read_noise**2) / self.photons
-        return (grain * sigma).astype(np.float32)
+        sigma = light * np.float32(self.photons)
+        sigma += np.float32(self.read_noise**2)
+        np.sqrt(sigma, out=sigma)
+        sigma *= np.float32(1 / self.photons)
+        sigma *= grain(light.shape, self.grain_px, rng)
+        return sigma
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,6 +122,14 @@ class Motion:
         return flow
 
 
+_BYTE_OF_STEP: UInt8 = np.round((np.arange(STEPS + 1) / STEPS) ** (2 / GAMMA) * 255).astype(
+    np.uint8
+)
+
+
 def _encoded(light: Float32) -> UInt8:
-    srgb: UInt8 = np.round(np.clip(light, 0, 1) ** np.float32(1 / GAMMA) * 255).astype(np.uint8)
-    return srgb
+    """Return sRGB; equal steps of light's root are fine enough in the dark."""
+    step = np.sqrt(np.clip(light, 0, 1))
+    step *= np.float32(STEPS)
+    step += np.float32(0.5)
+    return _BYTE_OF_STEP.take(step.astype(np.int32))

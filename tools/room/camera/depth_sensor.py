@@ -6,7 +6,10 @@ import cv2
 import numpy as np
 
 from sceneq_core.arrays import Bool, Float32, UInt16
+from sceneq_tools.room.camera.grain import grain, patches
 from sceneq_tools.room.rendering import Rendering
+
+FLAT_COSINE = 0.5  # surfaces seen at less than 60 degrees have no noise from their slant
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,25 +78,30 @@ class DepthSensor:
     def _frayed(self, depth_m: Float32, rng: np.random.Generator) -> Float32:
         """Take each pixel's depth from a little beside it."""
         height, width = depth_m.shape
-        beside = rng.normal(0, self.edge_jitter_px, (2, height, width)).astype(np.float32)
-        y, x = np.mgrid[:height, :width].astype(np.float32)
+        at = rng.standard_normal((2, height, width), np.float32)
+        at *= np.float32(self.edge_jitter_px)
+        at[0] += np.arange(width, dtype=np.float32)
+        at[1] += np.arange(height, dtype=np.float32)[:, None]
         frayed = cv2.remap(
             depth_m,
-            x + beside[0],
-            y + beside[1],
+            at[0],
+            at[1],
             cv2.INTER_NEAREST,
             borderMode=cv2.BORDER_REPLICATE,
         )
         return np.asarray(frayed, np.float32)
 
     def _noise(self, depth_m: Float32, incidence: Float32, rng: np.random.Generator) -> Float32:
-        angle = np.arccos(np.clip(incidence, 0, 1))
+        sigma = depth_m - np.float32(self.noise_from_m)
+        sigma *= sigma * np.float32(self.noise_growth)
+        sigma += np.float32(self.noise_floor_m)
+        grazing = np.nonzero(incidence < FLAT_COSINE)
+        angle = np.arccos(np.maximum(incidence[grazing], 0))
         left = np.maximum(np.pi / 2 - angle, np.float32(0.03))
-        grazing = self.noise_grazing / np.sqrt(np.maximum(depth_m, 0.2)) * (angle / left) ** 2
-        grazing = np.where(angle > np.pi / 3, grazing, 0)
-        sigma = self.noise_floor_m + self.noise_growth * (depth_m - self.noise_from_m) ** 2
-        grain = _grain(depth_m.shape, self.noise_grain_px, rng)
-        return ((sigma + grazing) * grain).astype(np.float32)
+        near = np.sqrt(np.maximum(depth_m[grazing], np.float32(0.2)))
+        sigma[grazing] += self.noise_grazing / near * (angle / left) ** 2
+        sigma *= grain(depth_m.shape, self.noise_grain_px, rng)
+        return sigma
 
     def _in_steps(self, depth_m: Float32) -> Float32:
         """Round disparity, so that steps of depth grow with its square."""
@@ -111,7 +119,7 @@ class DepthSensor:
     def _in_shadow(self, depth_m: Float32) -> Bool:
         """Find background left of something nearer that is hidden from the projector."""
         known = np.where(depth_m > 0, depth_m, np.float32(1e3))
-        disparity = self.focal_baseline_px_m / known
+        disparity = np.float32(self.focal_baseline_px_m) / known
         shadow = np.zeros(depth_m.shape, bool)
         for shift in range(1, min(self.shadow_px, depth_m.shape[1] - 1) + 1):
             hidden = disparity[:, shift:] - disparity[:, :-shift] > shift
@@ -123,24 +131,7 @@ class DepthSensor:
         kernel = np.ones((3, 3), np.uint8)
         rise = cv2.dilate(depth_m, kernel) - cv2.erode(depth_m, kernel)
         edge = rise > self.step_m * np.maximum(depth_m, 1)
-        return edge & _patches(depth_m.shape, self.edge_loss, rng)
+        return edge & patches(depth_m.shape, self.edge_loss, rng)
 
     def _speckles(self, shape: tuple[int, ...], rng: np.random.Generator) -> Bool:
-        return _patches(shape, self.speckle_loss, rng)
-
-
-def _grain(shape: tuple[int, ...], size_px: float, rng: np.random.Generator) -> Float32:
-    """Return unit normal noise with a Gaussian correlation."""
-    white = rng.standard_normal(shape, np.float32)
-    if size_px <= 0:
-        return white
-    smooth = np.asarray(cv2.GaussianBlur(white, (0, 0), size_px), np.float32)
-    return smooth / np.float32(max(float(smooth.std()), 1e-9))
-
-
-def _patches(shape: tuple[int, ...], share: float, rng: np.random.Generator) -> Bool:
-    """Return spots of a few pixels that cover about ``share`` of an image."""
-    grain = _grain(shape, 1.0, rng)
-    if share <= 0:
-        return np.zeros(shape, bool)
-    return grain > np.quantile(grain, 1 - share)
+        return patches(shape, self.speckle_loss, rng)

@@ -1,6 +1,6 @@
 """Changing a room: things are moved, removed and added."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +13,9 @@ from sceneq_tools.room.layout.places import BUILT_IN, find_place, known, name_of
 from sceneq_tools.room.layout.stock import Stock
 from sceneq_tools.room.library import Library
 from sceneq_tools.room.room import FLOOR_ID, Room, Thing
+
+Seen = Collection[int] | None
+"""Ids of what may be changed, ``None`` = everything."""
 
 
 def moved(
@@ -92,25 +95,32 @@ def added(
 
 
 def random_changes(
-    room: Room, library: Library, rng: np.random.Generator, count: int
+    room: Room,
+    library: Library,
+    rng: np.random.Generator,
+    count: int,
+    seen: Seen = None,
 ) -> tuple[Room, list[str]]:
-    """Return the room after some changes to small things, and a sentence on each of them."""
+    """Return the room after some changes to small things, and a sentence on each of them.
+
+    With ``seen`` only things of these ids are moved or removed, and put only on these.
+    """
     told: list[str] = []
     for _ in range(20 * count):
         if len(told) == count:
             break
         change = _CHANGES[int(rng.choice(len(_CHANGES), p=_SHARES))]
         try:
-            room, sentence = change(room, library, rng)
+            room, sentence = change(room, library, rng, seen)
         except ValueError:
             continue  # It did not fit there; another place or thing is tried.
         told.append(sentence)
     return room, told
 
 
-def _random_move(room: Room, _: Library, rng: np.random.Generator) -> tuple[Room, str]:
-    thing = _any(_small(room), rng)
-    onto = _any(_new_hosts(room, thing), rng)
+def _random_move(room: Room, _: Library, rng: np.random.Generator, seen: Seen) -> tuple[Room, str]:
+    thing = _any(_small(room), rng, seen)
+    onto = _any(_new_hosts(room, thing), rng, seen)
     room = moved(room, thing.id, onto.id, rng)
     after = room.thing(thing.id)
     return (
@@ -119,13 +129,17 @@ def _random_move(room: Room, _: Library, rng: np.random.Generator) -> tuple[Room
     )
 
 
-def _random_removal(room: Room, _: Library, rng: np.random.Generator) -> tuple[Room, str]:
-    thing = _any(_small(room), rng)
+def _random_removal(
+    room: Room, _: Library, rng: np.random.Generator, seen: Seen
+) -> tuple[Room, str]:
+    thing = _any(_small(room), rng, seen)
     return removed(room, thing.id), f"removed {name_of(thing)}"
 
 
-def _random_addition(room: Room, library: Library, rng: np.random.Generator) -> tuple[Room, str]:
-    onto = _any(_hosts(room), rng)
+def _random_addition(
+    room: Room, library: Library, rng: np.random.Generator, seen: Seen
+) -> tuple[Room, str]:
+    onto = _any(_hosts(room), rng, seen)
     small = [category for category in library.categories() if category.role == "top"]
     usual = [category for category in small if _belongs(category, onto, room.kind)]
     category = (usual or small)[int(rng.integers(len(usual or small)))]
@@ -134,7 +148,7 @@ def _random_addition(room: Room, library: Library, rng: np.random.Generator) -> 
     return room, f"added {name_of(new)}, {new.relation} {name_of(onto)}"
 
 
-_CHANGES: tuple[Callable[[Room, Library, np.random.Generator], tuple[Room, str]], ...] = (
+_CHANGES: tuple[Callable[[Room, Library, np.random.Generator, Seen], tuple[Room, str]], ...] = (
     _random_move,
     _random_removal,
     _random_addition,
@@ -142,7 +156,8 @@ _CHANGES: tuple[Callable[[Room, Library, np.random.Generator], tuple[Room, str]]
 _SHARES = (0.5, 0.25, 0.25)
 
 
-def _any(things: list[Thing], rng: np.random.Generator) -> Thing:
+def _any(things: list[Thing], rng: np.random.Generator, seen: Seen) -> Thing:
+    things = [thing for thing in things if seen is None or thing.id in seen]
     if not things:
         raise ValueError("nothing there that could be changed")
     return things[int(rng.integers(len(things)))]

@@ -82,10 +82,13 @@ def _packed(*parts: Float32) -> Float32:
 
 def _mixed(table: Float32, corners: Int32, weights: Float32) -> Float32:
     """Return the columns (C, N) of ``table``'s rows at three corners, weighted."""
-    mixed = table.take(corners[:, 0], axis=0)
-    mixed *= weights[0][:, None]
+    mixed: Float32 = weights[0] * _columns(table, corners[:, 0])
     for corner in (1, 2):
-        row = table.take(corners[:, corner], axis=0)
-        row *= weights[corner][:, None]
-        mixed += row
-    return np.ascontiguousarray(mixed.T)
+        columns = _columns(table, corners[:, corner])
+        columns *= weights[corner]
+        mixed += columns
+    return mixed
+
+
+def _columns(table: Float32, rows: Int32) -> Float32:
+    return np.ascontiguousarray(table.take(rows, axis=0).T)

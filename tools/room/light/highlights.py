@@ -7,6 +7,7 @@ import numpy as np
 
 from sceneq_core.arrays import Float32
 from sceneq_tools.room.light.illumination import radiances
+from sceneq_tools.room.light.vectors import dot, length
 from sceneq_tools.room.room import Light
 
 DULL = 0.04  # weaker highlights are not computed
@@ -53,8 +54,8 @@ def lamps(lights: Sequence[Light]) -> Lamps:
 def highlights(lights: Lamps, glances: Glances, shine: Float32, gloss: Float32) -> Float32:
     """Return radiance (3, N): Blinn-Phong at the lights' centres, as far as each light is seen."""
     normals = glances.normals
-    steepness = 1 / np.maximum(np.sqrt(_dot(normals, normals)), np.float32(1e-9))
-    viewed = _dot(normals, glances.out) * steepness
+    steepness: Float32 = np.divide(1, length(normals))
+    viewed: Float32 = dot(normals, glances.out) * steepness
     sharp = np.clip(gloss, SOFTEST, SHARPEST)
     strength = shine * (sharp + 2) * np.float32(0.35 / (8 * np.pi))
     strength[shine <= DULL] = 0
@@ -75,17 +76,12 @@ def _lobe(
     length of a sum of unit vectors a + b is sqrt(2 + 2 a.b): no vector has to be scaled.
     """
     to_light = centre[:, None] - glances.at
-    squared = _dot(to_light, to_light)
-    scale = 1 / np.sqrt(np.maximum(squared, np.float32(1e-9)))
-    arriving = _dot(to_light, glances.normals) * steepness * scale
-    between = _dot(to_light, glances.out) * scale
+    squared = dot(to_light, to_light)
+    scale = np.divide(1, length(to_light))
+    arriving = dot(to_light, glances.normals) * steepness * scale
+    between = dot(to_light, glances.out) * scale
     half = np.sqrt(np.maximum(2 + 2 * between, np.float32(1e-6)))
     near = np.maximum((arriving + viewed) / half, np.float32(1e-6))
     lobe: Float32 = np.exp(gloss * np.log(near)) * np.maximum(arriving, 0)
     lobe /= np.maximum(squared, np.float32(NEAREST_M**2))
     return lobe
-
-
-def _dot(a: Float32, b: Float32) -> Float32:
-    product: Float32 = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-    return product

@@ -13,7 +13,7 @@ class Quality:
         bounces: how often light is passed on between surfaces.
         cell_m: metres between points where direct light is measured on large things.
         texture_px: longest side of a texture in memory.
-        edge_rays: rays beside the central one for a pixel on an edge.
+        edge_rays: rays through each corner of a pixel that lies on an edge.
         threads: pieces of an image that are shaded at the same time.
     """
 
@@ -22,7 +22,7 @@ class Quality:
     bounces: int = 3
     cell_m: float = 0.045
     texture_px: int = 1024
-    edge_rays: int = 2
+    edge_rays: int = 1
     threads: int = 2
 
     def __post_init__(self) -> None:

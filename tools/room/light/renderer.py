@@ -5,15 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sceneq_core.arrays import Float32, Float64, Int32
+from sceneq_core.arrays import Float32, Float64, Int32, UInt16
 from sceneq_core.ingest.source import Camera
-from sceneq_tools.room.light.antialias import edge_pixels, sub_pixels
+from sceneq_tools.room.light.antialias import around_corners, blended, edge_corners
 from sceneq_tools.room.light.corner_tables import corner_tables
 from sceneq_tools.room.light.highlights import lamps
 from sceneq_tools.room.light.light_mesh import LightMesh, light_mesh
 from sceneq_tools.room.light.lit_room import LitRoom, lit, relit
 from sceneq_tools.room.light.quality import Quality
 from sceneq_tools.room.light.shading import Shader
+from sceneq_tools.room.light.stage import Stage
 from sceneq_tools.room.light.surfaces import TextureStore
 from sceneq_tools.room.light.tone import auto_exposure, tone_mapped
 from sceneq_tools.room.light.tracer import Traced, Tracer
@@ -30,10 +31,17 @@ GLANCES = 4000  # rays from each place that the exposure is measured from
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:
-    """A consistent state of the room to render: threads that use an old one are not disturbed."""
+    """A consistent state of the room to render: threads that use an old one are not disturbed.
+
+    Attributes:
+        thing_id, surface: uint16, int32 (F + 1,) by face: its thing, and a number for its thing
+            and material; the last row is for no face.
+    """
 
     lit: LitRoom
     tracer: Tracer
+    thing_id: UInt16
+    surface: Int32
 
 
 class Renderer:
@@ -69,39 +77,36 @@ class Renderer:
             camera: intrinsics and size of the picture.
         """
         view, (width, height) = self._view, camera.size
-        x, y = np.meshgrid(np.arange(width), np.arange(height))
-        pixels = np.stack([x.ravel(), y.ravel()], axis=1).astype(np.float64)
-        traced = _trace(view.tracer, T_world_camera, camera, pixels)
-        seen = traced.face >= 0
-        thing = np.where(seen, view.lit.stage.thing_id[traced.face], 0).astype(np.uint16)
-        radiance = self._smoothed(view, T_world_camera, camera, pixels, traced)
+        columns, rows = np.arange(width, dtype=np.float64), np.arange(height, dtype=np.float64)
+        traced = _trace(view.tracer, T_world_camera, camera, columns, rows[:, None])
+        radiance = self._smoothed(view, T_world_camera, camera, traced)
         return Rendering(
-            tone_mapped(radiance, self.exposure).reshape(height, width, 3),
+            tone_mapped(radiance, self.exposure),
             traced.distance.reshape(height, width),
-            thing.reshape(height, width),
+            view.thing_id.take(traced.face, mode="wrap").reshape(height, width),
             traced.cosine.reshape(height, width),
         )
 
     def _smoothed(
-        self, view: View, T_world_camera: Float64, camera: Camera, pixels: Float64, traced: Traced
+        self, view: View, T_world_camera: Float64, camera: Camera, traced: Traced
     ) -> Float32:
-        """Return the radiances (N, 3) with several rays in pixels on edges."""
+        """Return the radiances (H, W, 3), with further rays where surfaces meet."""
         width, height = camera.size
-        radiance = np.minimum(traced.radiance, BRIGHTEST / self.exposure)
-        edge = np.flatnonzero(
-            edge_pixels(
-                (radiance * np.float32(self.exposure)).reshape(height, width, 3),
-                _surfaces(view.lit, traced).reshape(height, width),
-                traced.distance.reshape(height, width),
-                _slope_per_pixel(traced, camera).reshape(height, width),
-            )
+        brightest, count = np.float32(BRIGHTEST / self.exposure), self.quality.edge_rays
+        radiance = np.minimum(traced.radiance, brightest).reshape(height, width, 3)
+        if not count:
+            return radiance
+        corners = edge_corners(
+            radiance * np.float32(self.exposure),
+            view.surface.take(traced.face, mode="wrap").reshape(height, width),
+            traced.distance.reshape(height, width),
+            _slope_per_pixel(traced, camera).reshape(height, width),
         )
-        offsets = sub_pixels(self.quality.edge_rays)
-        around = (pixels[edge] + offsets[:, None]).reshape(-1, 2)
-        more = _trace(view.tracer, T_world_camera, camera, around).radiance
-        more = np.minimum(more, BRIGHTEST / self.exposure).reshape(len(offsets), len(edge), 3)
-        radiance[edge] = (radiance[edge] + more.sum(axis=0)) / np.float32(1 + len(offsets))
-        return radiance
+        x, y = around_corners(corners, count).reshape(-1, 2).T
+        more = np.minimum(
+            _trace(view.tracer, T_world_camera, camera, x, y).radiance, brightest
+        ).reshape(count, -1, 3)
+        return blended(radiance, corners, more.mean(axis=0))
 
     def _viewed(self, room: LitRoom) -> View:
         shader = Shader(
@@ -109,7 +114,10 @@ class Renderer:
             self._textures.surfaces(list(room.stage.materials)),
             lamps(room.room.lights),
         )
-        return View(room, Tracer(room.raycaster, shader, self._threads))
+        thing_id = np.append(room.stage.thing_id, np.uint16(0))
+        return View(
+            room, Tracer(room.raycaster, shader, self._threads), thing_id, _surfaces(room.stage)
+        )
 
     def _prepared(self, room: Room) -> list[LightMesh]:
         """Prepare meshes that are new, and forget those that are used no more."""
@@ -132,22 +140,25 @@ class Renderer:
         return auto_exposure(np.concatenate(seen))
 
 
-def _trace(tracer: Tracer, T_world_camera: Float64, camera: Camera, pixels: Float64) -> Traced:
-    """Trace through pixel positions (N, 2). A ray's length is such that its distance is z-depth."""
+def _trace(
+    tracer: Tracer, T_world_camera: Float64, camera: Camera, x: Float64, y: Float64
+) -> Traced:
+    """Trace through pixel positions; x (W,) and y (H, 1) make a grid, (N,) and (N,) a list.
+
+    A ray's length is such that its distance is z-depth.
+    """
     K = camera.K
-    x = ((pixels[:, 0] - K[0, 2]) / K[0, 0]).astype(np.float32)[:, None]
-    y = ((pixels[:, 1] - K[1, 2]) / K[1, 1]).astype(np.float32)[:, None]
     right, down, ahead = T_world_camera[:3, :3].T.astype(np.float32)
+    across = ((x - K[0, 2]) / K[0, 0]).astype(np.float32)[..., None] * right
+    along = ((y - K[1, 2]) / K[1, 1]).astype(np.float32)[..., None] * down + ahead
     origin = T_world_camera[:3, 3].astype(np.float32)
-    return tracer.trace(origin, x * right + y * down + ahead, pixel=1 / float(K[0, 0]))
+    return tracer.trace(origin, (across + along).reshape(-1, 3), pixel=1 / float(K[0, 0]))
 
 
-def _surfaces(room: LitRoom, traced: Traced) -> Int32:
-    """Number what is seen by thing and material."""
-    stage = room.stage
-    number = stage.thing_id.astype(np.int32)[traced.face] * np.int32(len(stage.materials))
-    surface: Int32 = np.where(traced.face >= 0, number + stage.material[traced.face], -1)
-    return surface
+def _surfaces(whole: Stage) -> Int32:
+    """Number faces by thing and material, and add -1 for no face."""
+    number = whole.thing_id.astype(np.int32) * np.int32(len(whole.materials)) + whole.material
+    return np.append(number, np.int32(-1))
 
 
 def _slope_per_pixel(traced: Traced, camera: Camera) -> Float32:

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import Bool, Float32, Int64
-from sceneq_tools.room.light.corner_tables import CornerTables, Corners
+from sceneq_core.arrays import Bool, Float32, Int64, UInt8
+from sceneq_tools.room.light.corner_tables import Corners, CornerTables
 from sceneq_tools.room.light.highlights import DULL, Glances, Lamps, highlights
 from sceneq_tools.room.light.raycaster import Hits
 from sceneq_tools.room.light.surfaces import Surfaces
+from sceneq_tools.room.light.vectors import dot, length
 from sceneq_tools.room.textures.linear import LINEAR_OF_BYTE
 
 FLATTEST = 0.2  # a texture is not read coarser than at this cosine: grazing floors would blur
@@ -52,13 +53,14 @@ class Shader:
         """
         ahead = np.ascontiguousarray(directions.T)
         facing = dot(np.ascontiguousarray(hits.normal.T), ahead)
-        length = np.maximum(np.sqrt(dot(ahead, ahead)), np.float32(1e-9))
-        cosine = np.abs(facing) / length
+        far = length(ahead)
+        cosine: Float32 = np.divide(np.abs(facing), far)
         corners = self.tables.corners(hits.face, (facing > 0).view(np.int8))
         weights = _weights(hits.uv)
         normals, uv = self.tables.surface(corners, weights)
         received, seen = self.tables.light(corners, weights)
-        footprint = hits.distance * np.float32(pixel) / np.maximum(cosine, np.float32(FLATTEST))
+        footprint = np.divide(hits.distance, np.maximum(cosine, np.float32(FLATTEST)))
+        footprint *= np.float32(pixel)
         radiance, hole = self._paint(corners, uv, footprint)
         radiance *= self._lit(received, corners.material)
         cover = self._cover(corners.material, hole, cosine)
@@ -68,7 +70,7 @@ class Shader:
         if (shine > DULL).any():
             at = ahead * hits.distance + origin[:, None]
             normals *= np.where(facing > 0, np.float32(-1), np.float32(1))
-            glances = Glances(at, ahead / -length, normals, seen)
+            glances = Glances(at, np.divide(ahead, -far), normals, seen)
             gloss = self.surfaces.gloss.take(corners.material)
             radiance += highlights(self.lamps, glances, shine, gloss)
         return Shaded(radiance, cover, hole, cosine)
@@ -102,19 +104,14 @@ class Shader:
         return cover
 
 
-def dot(a: Float32, b: Float32) -> Float32:
-    """Return the products (N,) of vectors that are columns of (3, N)."""
-    product: Float32 = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-    return product
-
-
-def _light_of(texels: np.ndarray) -> Float32:
-    return np.asarray(cv2.LUT(texels[None], LINEAR_OF_BYTE[None]), np.float32)[0]
+def _light_of(texels: UInt8) -> Float32:
+    light: Float32 = np.asarray(cv2.LUT(texels[None], LINEAR_OF_BYTE[None]), np.float32)[0]
+    return light
 
 
 def _weights(uv: Float32) -> Float32:
     """Return (3, N) from the weights of the second and third corner."""
-    weights = np.empty((3, len(uv)), np.float32)
+    weights: Float32 = np.empty((3, len(uv)), np.float32)
     weights[1:] = uv.T
     np.subtract(1, weights[1] + weights[2], out=weights[0])
     return weights

@@ -92,11 +92,21 @@ def _holds(survey: Survey, kind: str, thing: Thing, anchor: Thing) -> bool:
     layout = survey.layout
     if kind in ("on", "in"):
         return thing.support == anchor.id and thing.relation == kind
+    if kind in ("under", "above") and _share_furniture(survey, thing, anchor):
+        return False
     if kind == "under":
         return is_under(layout, thing.id, anchor.id, RELATIONS)
     if kind == "above":
         return is_above(layout, thing.id, anchor.id, RELATIONS)
     return is_beside(layout, thing.id, anchor.id, RELATIONS)
+
+
+def _share_furniture(survey: Survey, a: Thing, b: Thing) -> bool:
+    """Tell whether both stand in one bookcase: nobody says that a vase is under a book there."""
+    layout = survey.layout
+    shared = set(layout.carriers(a.id)) & set(layout.carriers(b.id))
+    carriers = [layout.things[i] for i in shared]
+    return any(not (thing.is_stuff or thing.category.role == "rug") for thing in carriers)
 
 
 def _nearly(survey: Survey, kind: str, thing: Thing, anchor: Thing) -> bool:
