@@ -46,7 +46,7 @@ class Verdict:
 def questions_of(folder: Path, texts: Sequence[str] = ()) -> list[Question]:
     """Return ``texts`` as questions, or six of the folder's own, or some that fit anywhere.
 
-    The folder's own are those of its demo.txt, one a line, or six of its queries.json.
+    The folder's own are the lines of its demo.txt (# = remark), or six of its queries.json.
 
     Raises:
         UserError: queries.json is not what it should be.
@@ -152,7 +152,8 @@ def _box_at(thing: Thing, frame: int) -> Float64 | None:
 
 
 def _chosen(path: Path) -> list[str]:
-    return [line for line in path.read_text().splitlines() if line] if path.is_file() else []
+    lines = path.read_text().splitlines() if path.is_file() else []
+    return [line for line in lines if line and not line.startswith("#")]
 
 
 def _known(path: Path) -> list[Question]:

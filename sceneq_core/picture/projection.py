@@ -10,6 +10,8 @@ MARGIN = 0.93
 """Share of the picture that the points fill."""
 STRAYS_PERCENT = 0.4
 """A few points far out must not make everything else small."""
+SMALLEST = 0.25
+"""Nothing is enlarged further, not even a single point: metres of a plan, else tangents."""
 CELL_M = 0.05
 SAMPLE = 40_000
 CLEARER = 1.03
@@ -131,7 +133,7 @@ def _fitted(
     """Return the viewpoint whose focal length and centre make the points fill the picture."""
     pixels, _ = Viewpoint(T_camera_world, np.eye(3), size, orthographic).project(points_world)
     low, high = _extent(pixels)
-    focal = MARGIN * float(np.min(np.asarray(size) / np.maximum(high - low, 1e-6)))
+    focal = MARGIN * float(np.min(np.asarray(size) / np.maximum(high - low, SMALLEST)))
     cx, cy = np.asarray(size) / 2 - focal * (low + high) / 2
     K = np.array([[focal, 0, cx], [0, focal, cy], [0, 0, 1.0]])
     return Viewpoint(T_camera_world, K, size, orthographic)

@@ -78,7 +78,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_a_folder_may_say_what_to_ask(folder: Path) -> None:
-    (folder / "demo.txt").write_text("sofa\n\nwhere is my hat\n")
+    (folder / "demo.txt").write_text("# remark\nsofa\n\nwhere is my hat\n")
     asked = questions_of(folder)
     assert [question.text for question in asked] == ["sofa", "where is my hat"]
     assert asked[0].targets is not None

@@ -17,7 +17,7 @@ def glances(count: int) -> Glances:
     return Glances(
         (rng.random((3, count)) * 2).astype(np.float32),
         (out / np.linalg.norm(out, axis=0)).astype(np.float32),
-        (rng.normal(size=(3, count)) + [[0], [0], [1]]).astype(np.float32),
+        (rng.normal(size=(3, count)) + np.array([[0], [0], [1]])).astype(np.float32),
         rng.random((2, count)).astype(np.float32),
     )
 

@@ -76,6 +76,12 @@ def test_paint_that_covers_too_little_is_no_colour() -> None:
     assert attributes(replace(cup, tint="white")).colour == "white"
 
 
+def test_nobody_names_a_pattern_by_a_colour() -> None:
+    assert attributes(thing(9, "cup", "top", (1, 1, 1), placed(0, 0), colour=RED)).colour == "red"
+    board = thing(9, "chessboard", "top", (1, 1, 0.1), placed(0, 0), colour=RED)
+    assert attributes(board).colour is None
+
+
 def test_size_is_along_the_own_axes() -> None:
     turned = thing(9, "cup", "top", (2.0, 1.0, 0.5), placed(0, 0, yaw=0.7))
     assert attributes(turned).size_m == (2.0, 1.0, 0.5)

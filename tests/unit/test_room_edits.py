@@ -129,3 +129,29 @@ def test_random_changes_are_told(room: Room) -> None:
     again, told_again = random_changes(room, LIBRARY, rng(), 6)
     assert told_again == told
     assert len(again.things) == len(changed.things)
+
+
+def test_only_what_is_seen_changes(room: Room) -> None:
+    table = first(room, "dining table").id
+    small = [t.id for t in room.things if t.support == table and t.category.role == "top"]
+    changed, told = random_changes(room, LIBRARY, rng(), 3, {table, *small})
+    left = {thing.id: thing for thing in changed.things}
+    touched = {
+        thing.id
+        for thing in room.things
+        if thing.id not in left
+        or not np.array_equal(left[thing.id].T_world_thing, thing.T_world_thing)
+    }
+    newcomers = [thing for thing in changed.things if thing.id >= room.next_id]
+    assert told
+    assert touched <= set(small)
+    assert all(thing.support == table for thing in newcomers)
+
+
+def test_what_belongs_on_the_floor_stays_there(room: Room) -> None:
+    room = added(room, "trash can", FLOOR_ID, LIBRARY, rng())
+    bin_id = room.things[-1].id
+    for seed in range(4):
+        seen = {bin_id, FLOOR_ID, first(room, "dining table").id}
+        after, _ = random_changes(room, LIBRARY, np.random.default_rng(seed), 1, seen)
+        assert all(thing.support == FLOOR_ID for thing in after.things if thing.id == bin_id)

@@ -9,6 +9,7 @@ import json
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -103,8 +104,9 @@ def _key(plan: "Plan", recording: Recording) -> str:
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:KEY_DIGITS]
 
 
+@cache
 def code_digest() -> str:
-    """Return the SHA-256 of the code that makes maps."""
+    """Return the SHA-256 of the code that makes maps, as it was when first asked for."""
     digest = hashlib.sha256()
     for name, path in _sources():
         digest.update(name.encode() + path.read_bytes())

@@ -64,14 +64,14 @@ class ColourSensor:
         across = (2 * np.arange(width, dtype=np.float32) - width + 1) / width
         down = (2 * np.arange(height, dtype=np.float32) - height + 1) / height
         half = np.float32(self.vignetting / 2)
-        lens: Float32 = (1 - half * across**2) - (half * down**2)[:, None]
-        return lens
+        lens = np.subtract.outer(1 - half * down**2, half * across**2)
+        return lens.astype(np.float32)
 
     def _noise(self, light: Float32, rng: np.random.Generator) -> Float32:
-        sigma = light * np.float32(self.photons)
+        sigma: Float32 = light * np.float32(self.photons)
         sigma += np.float32(self.read_noise**2)
         np.sqrt(sigma, out=sigma)
-        sigma *= np.float32(1 / self.photons)
+        sigma /= np.float32(self.photons)
         sigma *= grain(light.shape, self.grain_px, rng)
         return sigma
 

@@ -61,7 +61,8 @@ KITCHEN = Plan(
         Small(("dining_table",), ("bowl of fruit", "vase of flowers"), (1, 1), "centre"),
         Small(("kitchen_cabinet",), ON_WORKTOPS, (3, 6)),
         Small(("dining_table",), ON_DINING_TABLE, (5, 8), "seats"),
-        Small(("kitchen_sink",), ("plate", "bowl", "coffee mug", "plastic cup"), (1, 2)),
+        Small(("kitchen_sink",), ("plate", "bowl"), (1, 1)),
+        Small(("kitchen_sink",), ("coffee mug", "plastic cup"), (0, 1)),
         Small(("washing_machine",), ("folded clothes", "shopping basket"), (0, 1)),
         Small(
             ("chest of drawers", "bookcase"),

@@ -54,9 +54,12 @@ def around_corners(corners: Bool, count: int) -> Float64:
 def blended(radiance: Float32, corners: Bool, at_corners: Float32) -> Float32:
     """Return the picture (H, W, 3) with the light (C, 3) at marked corners mixed into pixels."""
     y, x = np.nonzero(corners)
-    smooth = radiance.copy()
+    width = radiance.shape[1]
+    before = radiance.reshape(-1, 3)
+    smooth = before.copy()
     for below in (0, 1):
         for right in (0, 1):
-            pixel = (y + below, x + right)
-            smooth[pixel] += (at_corners - radiance[pixel]) * np.float32(CORNER_SHARE)
-    return smooth
+            pixel = (y + below) * width + x + right
+            change = at_corners - before.take(pixel, axis=0)
+            smooth[pixel] += change * np.float32(CORNER_SHARE)
+    return smooth.reshape(radiance.shape)

@@ -72,7 +72,9 @@ def at_places(light: Illumination, stage: Stage, lights: Sequence[Light]) -> Pla
             even = _evened(mesh.fine.smoothing, measured[side, fine], open_fine)
             near = _read(mesh.fine.blend, even, open_fine)
             open_coarse = light.open_coarse[side, coarse]
-            smooth = _read(mesh.coarse.smoothing, light.indirect[side, coarse], open_coarse)
+            smooth = light.indirect[side, coarse]
+            for _ in range(SMOOTHINGS):
+                smooth = _read(mesh.coarse.smoothing, smooth, open_coarse)
             far = _read(mesh.coarse.blend, smooth, open_coarse)
             irradiance[side, here] = near[:, :3] + far
             seen[side, here] = near[:, 3:]

@@ -94,7 +94,7 @@ class TriangleGroup:
         distance = answer["t_hit"].numpy()
         missed = np.flatnonzero(np.isinf(distance))
         primitive[missed] = 0
-        face: Int32 = np.take(self.face_of, primitive)
+        face = self.face_of[primitive]
         face[missed] = -1
         uv, normal = answer["primitive_uvs"].numpy(), answer["primitive_normals"].numpy()
         return Hits(distance, face, uv, normal)
