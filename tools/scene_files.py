@@ -13,6 +13,7 @@ from sceneq_core.mapping.digest import map_digest
 from sceneq_core.mapping.replica import MapReplica
 from sceneq_core.picture import instance_colours
 from sceneq_core.picture.scene import Cloud
+from sceneq_core.picture.sheet import SIZE
 from sceneq_tools.errors import UserError
 from sceneq_tools.scene_picture import scene_picture, write_png
 
@@ -52,8 +53,10 @@ class SceneFiles:
     instances: tuple[Mapping[str, Any], ...]
     descriptors: Descriptors = field(default_factory=no_descriptors)
 
-    def write(self, out: Path) -> dict[str, Any]:
+    def write(self, out: Path, picture_size: tuple[int, int] = SIZE) -> dict[str, Any]:
         """Write all files into ``out`` and return the summary that is also in instances.json.
+
+        ``picture_size`` is that of instances.png, (width, height) in pixels.
 
         Of an empty map there is neither cloud.ply nor instances.png.
 
@@ -76,7 +79,8 @@ class SceneFiles:
         if len(cloud.points_world):
             colours = instance_colours(cloud.instance_id, cloud.rgb)
             _write_ply(out / "cloud.ply", cloud.points_world, colours)
-            write_png(scene_picture(cloud, document), out / "instances.png")
+            picture = scene_picture(cloud, document, size=picture_size)
+            write_png(picture, out / "instances.png")
         return document
 
     def cloud(self) -> Cloud:

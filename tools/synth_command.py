@@ -35,7 +35,8 @@ def run(
     suite: Annotated[
         bool,
         typer.Option(
-            "--suite", help="The benchmark of eight rooms instead; of the others --frames only."
+            "--suite",
+            help="The benchmark of eight rooms instead; takes --frames, --force, --quiet.",
         ),
     ] = False,
     force: Annotated[
@@ -47,6 +48,9 @@ def run(
     from sceneq_tools.synth import SynthParams
 
     if suite:
+        own = {"--seed": seed, "--changes": changes, "--clean": clean, "--room": room != "mixed"}
+        camera = {"--rate": rate != 10.0, "--pace": pace != 1.0, "--size": size != "640x480"}
+        _need_none(own | camera | {"--quality": quality != 92})
         _synth_suite(out, frames, force, quiet)
         return
     try:
@@ -86,6 +90,12 @@ def _synth(params: "SynthParams", out: Path, force: bool, quiet: bool) -> str:
     return f"{params.frames} frames, {len(queries['queries'])} questions -> {out}"
 
 
+def _need_none(given: "dict[str, int | bool]") -> None:
+    """Refuse what the rooms of a suite decide themselves."""
+    if clash := [option for option, is_given in given.items() if is_given]:
+        raise UserError(f"--suite and {', '.join(clash)}: a suite says this of its rooms itself", 2)
+
+
 def _synth_suite(out: Path, frames: int | None, force: bool, quiet: bool) -> None:
     from sceneq_tools.room.models.libraries import open_library
     from sceneq_tools.suite import ROOMS, SuiteParams, make_suite
@@ -99,7 +109,7 @@ def _synth_suite(out: Path, frames: int | None, force: bool, quiet: bool) -> Non
     except (ValueError, OSError) as error:
         raise UserError(str(error)) from error
     if not quiet:
-        typer.echo(f"{made} of {len(ROOMS)} rooms made, the others were there -> {out}")
+        typer.echo(f"{made} rooms made, {len(ROOMS) - made} were there -> {out}")
 
 
 def command_line(planned: "Plan", out: str) -> str:

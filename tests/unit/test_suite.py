@@ -4,7 +4,9 @@ import json
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from sceneq_tools.cli import app
 from sceneq_tools.errors import UserError
 from sceneq_tools.evaluation.suite_recordings import frames_digest, recordings_of
 from sceneq_tools.room.room import KINDS
@@ -126,3 +128,19 @@ def test_the_digest_follows_every_byte_but_the_readme(tmp_path: Path) -> None:
     assert frames_digest(tmp_path) == before
     (tmp_path / "frame-000001.pose.txt").write_text("other")
     assert frames_digest(tmp_path) != before
+
+
+def test_the_command_makes_eight_rooms_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from sceneq_tools import synth_command
+
+    monkeypatch.setattr(synth_command, "_synth", lambda params, out, *_: write_room(params, out))
+    arguments = ["synth", str(tmp_path / "rooms"), "--suite", "--frames", "2"]
+    for says in ("8 rooms made, 0 were there", "0 rooms made, 8 were there"):
+        done = CliRunner().invoke(app, arguments)
+        assert (done.exit_code, done.exception) == (0, None)
+        assert done.stdout.startswith(says)
+    assert len(recordings_of([tmp_path / "rooms"])) == 8
+    done = CliRunner().invoke(app, [*arguments, "--seed", "3", "--clean"])
+    assert "--suite and --seed, --clean" in str(done.exception)

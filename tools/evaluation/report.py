@@ -25,7 +25,7 @@ from sceneq_tools.progress import progress
 
 SCHEMA = "sceneq.report.v1"
 JSON_FILE, PAGE_FILE, CALIBRATION_FILE = "report.json", "report.html", "calibration.json"
-SHEET_FILE, SHEET_WIDTH_PX = "instances.png", 660
+SHEET_FILE, SHEET_WIDTH_PX = "instances.png", 800
 AS_CONFIGURED = "as the graph says"
 Json = dict[str, Any]
 

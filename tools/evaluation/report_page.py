@@ -30,7 +30,7 @@ td { border-bottom: 1px solid #eceef0; } th.text, td.text { text-align: left; }
   max-width: 270px; } .failure { border-top: 1px solid #e3e5e8; padding: 12px 0; }
 .failure img, .maps img { display: block; max-width: 100%; } .wrong { color: #b8352a; }
 .right { color: #2f7a3c; } .maps { display: grid; gap: 18px;
-  grid-template-columns: repeat(auto-fill, minmax(330px, 1fr)); }
+  grid-template-columns: repeat(auto-fill, minmax(480px, 1fr)); }
 """
 
 

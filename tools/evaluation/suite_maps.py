@@ -23,6 +23,8 @@ RECORD_FILE = "made.json"
 MAKERS = ("sceneq_core", "sceneq_nodes", "sceneq_schemas")
 NOT_MAKERS = "evaluation"
 KEY_DIGITS = 16
+SHEET_SIZE = (960, 600)
+"""Of the picture of a map, pixels: enough for a report, and much faster drawn than a large one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +139,7 @@ def _make(plan: "Plan", name: str, folder: Path, quiet: bool) -> dict[str, Any]:
         batch = Batch(plan)
         try:
             frames = _play(batch.stages, name, quiet)
-            collect(batch.get, batch.scene).write(folder)
+            collect(batch.get, batch.scene).write(folder, SHEET_SIZE)
             troubles = batch.troubles()
         finally:
             batch.close()
