@@ -16,7 +16,7 @@ from sceneq_tools import demo_text, scenes
 from sceneq_tools.ask_command import REASON_TIMEOUT_S
 from sceneq_tools.collect import collect
 from sceneq_tools.demo_graph import DemoGraph
-from sceneq_tools.demo_truth import Question, Truth, Verdict, questions_of
+from sceneq_tools.demo_truth import Question, Truth, Verdict, questions_of, remark
 from sceneq_tools.errors import UserError
 from sceneq_tools.evidence import write_evidence
 from sceneq_tools.export_command import getter
@@ -87,6 +87,7 @@ class Demo:
         has_masks = next(source.glob("frame-*.mask.png"), None) is not None
         self._segmenter = segmenter or (FILES if has_masks else RGBD)
         self._questions = questions_of(source, texts)
+        self._remark = "" if texts else remark(source)
         self._truth = Truth(source)
 
     def run(self) -> None:
@@ -199,6 +200,7 @@ class Demo:
         demo_text.heading(demo_text.score([verdict for _, _, verdict in answers]).capitalize())
         demo_text.facts(
             [
+                *([("asked", self._remark)] if self._remark else []),
                 ("map", describe(summary, self._out)),
                 ("picture", f"{picture}"),
                 ("look", f"rerun {self._out / 'scene.rrd'}"),

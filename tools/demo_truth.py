@@ -13,6 +13,7 @@ from sceneq_tools.errors import UserError
 
 QUESTIONS = ("chair", "white mug", "the monitor on the table", "something to sit on", "bicycle")
 COUNT = 6
+CHOICE = "demo.txt"
 NEAR_IOU = 0.05
 RIGHT_IOU = 0.25
 """Overlap of the answered with the true box from which on they are the same thing (AP25)."""
@@ -52,7 +53,7 @@ def questions_of(folder: Path, texts: Sequence[str] = ()) -> list[Question]:
         UserError: queries.json is not what it should be.
     """
     known = _known(folder / "queries.json")
-    if texts := texts or _chosen(folder / "demo.txt"):
+    if texts := texts or _chosen(folder / CHOICE):
         by_text = {question.text: question for question in known}
         return [by_text.get(text, Question(text)) for text in texts]
     return spread(known, COUNT) or [Question(text) for text in QUESTIONS]
@@ -151,9 +152,18 @@ def _box_at(thing: Thing, frame: int) -> Float64 | None:
     return np.array(boxes[-1], np.float64) if boxes and boxes[-1] is not None else None
 
 
+def remark(folder: Path) -> str:
+    """Return what the folder's demo.txt says of its choice of questions, "" without one."""
+    return " ".join(line.lstrip("# ") for line in _lines(folder / CHOICE) if line.startswith("#"))
+
+
 def _chosen(path: Path) -> list[str]:
+    return [line for line in _lines(path) if not line.startswith("#")]
+
+
+def _lines(path: Path) -> list[str]:
     lines = path.read_text().splitlines() if path.is_file() else []
-    return [line for line in lines if line and not line.startswith("#")]
+    return [line for line in lines if line]
 
 
 def _known(path: Path) -> list[Question]:

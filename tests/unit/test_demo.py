@@ -19,6 +19,7 @@ from sceneq_tools.demo_truth import (
     Verdict,
     iou,
     questions_of,
+    remark,
     spread,
 )
 from sceneq_tools.errors import UserError
@@ -213,3 +214,10 @@ def test_the_example_of_the_live_demo_is_a_thing_on_furniture_and_another_piece(
     ]
     assert example(things) == ("mug", "shelf")
     assert example(things[:2]) == ("desk", "floor")
+
+
+def test_a_choice_of_questions_says_how_it_was_made(tmp_path: Path) -> None:
+    (tmp_path / "demo.txt").write_text("# These were chosen;\n# others go wrong.\n\nmug\n")
+    assert remark(tmp_path) == "These were chosen; others go wrong."
+    assert [question.text for question in questions_of(tmp_path)] == ["mug"]
+    assert remark(tmp_path / "nowhere") == ""
