@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -90,6 +91,7 @@ def make_suite(
         ValueError: a recording that is impossible.
         OSError: a folder that cannot be written.
     """
+    generator()
     (out / SUITE_FILE).unlink(missing_ok=True)
     made = 0
     with progress("rooms", len(rooms), "rooms", quiet) as advance:
@@ -122,8 +124,12 @@ def _make_room(folder: Path, params: SynthParams, library: str, make: Make) -> b
     return True
 
 
+@cache
 def generator() -> str:
-    """Return version and digest of what makes rooms: one generator, one picture of a seed."""
+    """Return version and digest of what makes rooms: one generator, one picture of a seed.
+
+    It is as it was when first asked for: what is written over it later does not run here.
+    """
     package, digest = Path(__file__).parent, hashlib.sha256()
     for pattern in GENERATOR:
         for path in sorted(package.glob(pattern)):

@@ -15,7 +15,7 @@ from support.live_graph import LiveGraph
 
 pytestmark = pytest.mark.integration
 
-ROOM = "{kind: sim, room: bedroom, seed: 1, models: shapes, width: 320, height: 240, rate_hz: 10}"
+ROOM = "{kind: sim, room: bedroom, seed: 5, models: shapes, width: 320, height: 240, rate_hz: 10}"
 GRAPH = f"""\
 scene: bedroom
 nodes:

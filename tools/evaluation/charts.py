@@ -4,9 +4,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
+from sceneq_tools.bench.report import figures
+
 INK, FAINT, GRID = "#26282c", "#787c82", "#e3e5e8"
 COLOURS = ("#2f6db3", "#c8742a", "#4b8a5a", "#8a5fa8")
 SIDE, LEFT, BOTTOM, MARGIN = 212, 52, 40, 12
+LEGEND_ROW = 16
 TICKS = (0.0, 0.25, 0.5, 0.75, 1.0)
 COUNT_SHARE = 0.25
 """Of the height: the tallest bar of how many predictions a bin holds."""
@@ -44,16 +47,17 @@ def risk_coverage(curves: Mapping[str, Curve]) -> str:
         for (coverage, risk), colour in zip(curves.values(), COLOURS, strict=False)
     ]
     legend = [
-        f'<text x="{LEFT + SIDE - 8}" y="{MARGIN + 16 + 15 * row}" text-anchor="end" '
-        f'fill="{colour}">{escape(name)}</text>'
+        f'<text x="{LEFT}" y="{MARGIN + SIDE + BOTTOM + 12 + LEGEND_ROW * row}" fill="{colour}">'
+        f"{escape(name)}</text>"
         for row, (name, colour) in enumerate(zip(curves, COLOURS, strict=False))
     ]
-    return _square((*lines, *legend), "share answered, the surest first", "share of them wrong")
+    titles = "share answered, the surest first", "share of them wrong"
+    return _square((*lines, *legend), *titles, LEGEND_ROW * len(legend))
 
 
 def bars(values: Mapping[str, float], unit: str) -> str:
     """Return horizontal bars with their values."""
-    width, row_px, label_px, value_px = 760, 22, 190, 150
+    width, row_px, label_px, value_px = 820, 22, 190, 200
     most = max([*values.values(), 1e-12])
     rows = []
     for row, (name, value) in enumerate(values.items()):
@@ -64,14 +68,14 @@ def bars(values: Mapping[str, float], unit: str) -> str:
             "</text>",
             f'<rect x="{label_px}" y="{y + 4}" width="{long:.1f}" height="{row_px - 8}" '
             f'fill="{COLOURS[0]}"/>',
-            f'<text x="{label_px + long + 6:.1f}" {middle} fill="{FAINT}">{value:.3g} '
+            f'<text x="{label_px + long + 6:.1f}" {middle} fill="{FAINT}">{figures(value)} '
             f"{escape(unit)}</text>",
         ]
     return _svg(width, row_px * len(values) + 4, rows)
 
 
-def _square(body: Iterable[str], x_title: str, y_title: str) -> str:
-    """Return axes from 0 to 1 around ``body``."""
+def _square(body: Iterable[str], x_title: str, y_title: str, below: int = 0) -> str:
+    """Return axes from 0 to 1 around ``body``, with so many pixels ``below`` them."""
     middle_x, middle_y = LEFT + SIDE / 2, MARGIN + SIDE / 2
     parts = [
         *(_grid(value) for value in TICKS),
@@ -81,7 +85,7 @@ def _square(body: Iterable[str], x_title: str, y_title: str) -> str:
         f'<text transform="translate(12 {middle_y}) rotate(-90)" text-anchor="middle" '
         f'fill="{INK}">{escape(y_title)}</text>',
     ]
-    return _svg(LEFT + SIDE + MARGIN, MARGIN + SIDE + BOTTOM, parts)
+    return _svg(LEFT + SIDE + MARGIN, MARGIN + SIDE + BOTTOM + below, parts)
 
 
 def _grid(value: float) -> str:

@@ -23,7 +23,7 @@ h3 { font-size: 15px; margin: 22px 0 6px; } p { margin: 6px 0; max-width: 90ch; 
 th, td { padding: 3px 11px 3px 0; text-align: right; font-variant-numeric: tabular-nums;
   white-space: nowrap; vertical-align: top; }
 th { font-weight: 600; border-bottom: 1px solid #999; vertical-align: bottom;
-  white-space: normal; max-width: 112px; line-height: 1.25; }
+  white-space: normal; max-width: 126px; line-height: 1.25; }
 td { border-bottom: 1px solid #eceef0; } th.text, td.text { text-align: left; }
 .row { display: flex; flex-wrap: wrap; gap: 20px; } svg { font: 12px system-ui, "DejaVu Sans",
   sans-serif; display: block; } figure { margin: 0; } figcaption { font-size: 13px; color: #686c72;
@@ -118,7 +118,7 @@ def _diagrams(record: Json) -> Iterator[str]:
         says = f"{tables.task_name(task)}: {task['guesses']} guesses, ECE {task['ece_width']:.3f}"
         yield _figure(reliability(task["bins"]), says)
     curves = {tables.task_name(task): (task["coverage"], task["risk"]) for task in record["tasks"]}
-    yield _figure(risk_coverage(curves), "risk against coverage")
+    yield _figure(risk_coverage(curves), "risk against coverage: lower is better")
 
 
 def _ablation(document: Json) -> Iterator[str]:
