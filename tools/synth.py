@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import cv2
 import numpy as np
 
 from sceneq_core.arrays import Float64, Int64, UInt8, UInt16
@@ -130,6 +131,7 @@ def record(plan: Plan, renderer: "Renderer", folder: Path, ticked: Ticked) -> Tr
     ``renderer`` is one of the plan's first room; ``ticked`` is called after every frame.
     """
     rows: list[Int64] = []
+    cv2.setNumThreads(1)  # the frames beside each other are threads enough
     with ThreadPoolExecutor(WORKERS) as pool:
         for at, period in enumerate(plan.periods):
             if at:

@@ -18,7 +18,7 @@ from sceneq_tools.progress import progress
 CORES = 2
 """What the rooms are to be rendered on at five frames a second; others have more."""
 KIND, SEED = "living_room", 3
-FRAMES = 12
+FRAMES = 24
 RATE_HZ = 10.0
 CAMERA = Camera(np.array([[525.0, 0, 319.5], [0, 525.0, 239.5], [0, 0, 1]]), (640, 480))
 BESIDE = "rays at a cube"
@@ -104,6 +104,9 @@ def looks(
 
 def looks_per_s(look: Callable[[Float64], Any], poses: list[Float64]) -> float:
     """Return how many looks are done in a second, ``CORES`` at a time, as a recording is made."""
+    import cv2
+
+    cv2.setNumThreads(1)  # as when a recording is made
     with ThreadPoolExecutor(CORES) as pool:
         _, taken_s = _timed(lambda: list(pool.map(look, poses)))
     return len(poses) / taken_s
