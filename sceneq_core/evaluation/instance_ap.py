@@ -75,7 +75,11 @@ class InstanceAp:
         return np.mean(chosen, axis=0) if chosen else np.full(3, np.nan)
 
     def as_dict(self, splits: Mapping[str, Collection[str]] | None = None) -> dict[str, Any]:
-        """Return everything in values that JSON knows; ``splits`` names groups of classes."""
+        """Return everything in values that JSON knows; ``splits`` names groups of classes.
+
+        Where labels do not count there is one class, and no group of classes to speak of.
+        """
+        groups = (splits or {}) if self.protocol.labels_match else {}
         return {
             "protocol": self.protocol.name,
             "rules": self.protocol.says,
@@ -85,9 +89,7 @@ class InstanceAp:
             "objects": self.objects,
             "predictions": self.predictions,
             **_means_dict(self.means),
-            "splits": {
-                name: _means_dict(self.means_of(names)) for name, names in (splits or {}).items()
-            },
+            "splits": {name: _means_dict(self.means_of(names)) for name, names in groups.items()},
             "classes": {one.name: _class_dict(one) for one in self.classes},
         }
 

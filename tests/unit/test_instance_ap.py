@@ -201,6 +201,12 @@ def test_means_of_groups_leave_out_classes_without_objects() -> None:
     assert document["protocol"] == "scannet200"
 
 
+def test_without_labels_there_are_no_groups_of_classes() -> None:
+    one = (masks((range(100), CHAIR, 0.5)), truth((100, 2001)))
+    assert evaluated(*one, AGNOSTIC).as_dict({"head": {"object", "chair"}})["splits"] == {}
+    assert evaluated(*one).as_dict({"head": {"chair"}})["splits"]["head"]["ap50"] == 1.0
+
+
 def test_scannet200_has_198_classes_of_instances() -> None:
     assert len(LABELS) == 200
     assert len(INSTANCE_CLASSES) == 198
