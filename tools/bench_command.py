@@ -1,6 +1,5 @@
 """``sceneq bench``: how fast, beside what everybody has."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -42,6 +41,7 @@ def run(
     """Measure codec, bus, rendering, the stages of a keyframe, and queries."""
     from sceneq_tools.bench.measurement import Options
     from sceneq_tools.bench.report import COLUMNS, as_json, read_baseline, rows
+    from sceneq_tools.json_file import write_json
     from sceneq_tools.table import print_table
 
     then = None if baseline is None else read_baseline(baseline)
@@ -51,8 +51,7 @@ def run(
     columns = COLUMNS if then is None else (*COLUMNS, "against baseline")
     print_table(columns, rows(results, then))
     if json_file is not None:
-        text = json.dumps(as_json(results), ensure_ascii=False, indent=2)
-        json_file.write_text(text + "\n", encoding="utf-8")
+        write_json(as_json(results), json_file)
     if png is not None:
         from sceneq_tools.bench.chart import chart
         from sceneq_tools.scene_picture import write_png

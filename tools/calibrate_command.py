@@ -31,8 +31,8 @@ def run(
     from sceneq_tools.errors import UserError
     from sceneq_tools.evaluation.calibration_command import print_calibration, read_scenes
     from sceneq_tools.evaluation.calibration_fit import TASKS, fit
-    from sceneq_tools.evaluation.instances_command import write_json
     from sceneq_tools.evaluation.retrieval_setup import open_setup
+    from sceneq_tools.json_file import write_json
 
     if fit_on not in TASKS:
         raise UserError(f"--fit {fit_on!r}: expected one of {', '.join(TASKS)}", 2)

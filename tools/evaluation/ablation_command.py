@@ -29,8 +29,8 @@ def run(
     """Answer the questions of recordings without, with selective and with constant reasoning."""
     from sceneq_tools.evaluation.ablation import evaluate_ablation
     from sceneq_tools.evaluation.calibration_command import read_scenes
-    from sceneq_tools.evaluation.instances_command import write_json
     from sceneq_tools.evaluation.retrieval_setup import open_setup
+    from sceneq_tools.json_file import write_json
 
     setup = open_setup(graph, calibration)
     ablation = evaluate_ablation(read_scenes(recordings, setup, quiet), setup)

@@ -46,8 +46,8 @@ def run(
 ) -> None:
     """Measure confidence and the gate's decisions on the true instances of recordings."""
     from sceneq_tools.evaluation.calibration import evaluate_calibration
-    from sceneq_tools.evaluation.instances_command import write_json
     from sceneq_tools.evaluation.retrieval_setup import open_setup
+    from sceneq_tools.json_file import write_json
 
     setup = open_setup(graph, calibration)
     scenes = read_scenes(recordings, setup, quiet)

@@ -1,6 +1,5 @@
 """``sceneq eval instances``: AP of instances, by the rules of ScanNet200 and of MaskClustering."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -71,6 +70,7 @@ def run(
     from sceneq_tools.errors import UserError
     from sceneq_tools.evaluation.instances import InstancesParams, evaluate_instances
     from sceneq_tools.evaluation.readers import scene_pairs
+    from sceneq_tools.json_file import write_json
 
     if score not in SCORES:
         raise UserError(f"--score {score!r}: expected {' or '.join(SCORES)}", 2)
@@ -84,17 +84,6 @@ def run(
     _print(report, classes)
     if json_file is not None:
         write_json(report.as_dict(), json_file)
-
-
-def write_json(document: object, path: Path) -> None:
-    """Write a report; ``UserError`` when the file cannot be written."""
-    from sceneq_tools.errors import UserError
-
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n")
-    except OSError as error:
-        raise UserError(f"{path}: {error.strerror}") from error
 
 
 def _protocols(names: list[str] | None, last_overlap: float | None) -> "tuple[Protocol, ...]":

@@ -51,10 +51,10 @@ def run(
     quiet: Quiet = False,
 ) -> None:
     """Ask every question of a recording about a map of it, and about its true instances."""
-    from sceneq_tools.evaluation.instances_command import write_json
     from sceneq_tools.evaluation.retrieval import evaluate_retrieval
     from sceneq_tools.evaluation.retrieval_queries import read_questioned
     from sceneq_tools.evaluation.retrieval_setup import open_setup
+    from sceneq_tools.json_file import write_json
 
     setup = open_setup(graph, calibration)
     questioned = read_questioned(queries or scene)
