@@ -12,6 +12,7 @@ from sceneq_tools.graph import DEFAULT_ENDPOINT
 from sceneq_tools.sim_command import control
 
 FLOOR = "floor"
+NO_FURNITURE = {FLOOR, "wall", "ceiling", "rug"}
 HANDY = {
     *("mug", "cup", "bowl", "vase", "bottle", "teddy", "clock", "book", "candle", "camera"),
     *("jar", "teapot", "kettle", "telephone", "cube"),
@@ -54,7 +55,7 @@ def example(things: list[Thing]) -> tuple[str, str]:
     """
     labels = [thing["label"] for thing in things]
     single = [thing for thing in things if labels.count(thing["label"]) == 1]
-    carried = [thing for thing in single if thing["on_id"] and thing["on"] != FLOOR]
+    carried = [thing for thing in single if thing["on_id"] and thing["on"] not in NO_FURNITURE]
     if not carried:
         return (single[0]["label"] if single else "chair"), FLOOR
     handy = [thing for thing in carried if HANDY & set(thing["label"].split())] or carried

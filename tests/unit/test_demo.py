@@ -207,6 +207,9 @@ def test_the_example_of_the_live_demo_is_a_thing_on_furniture_and_another_piece(
     things = [
         thing(1, "desk", 90, "floor"),
         thing(2, "shelf", 90, "floor"),
+        thing(7, "cuckoo clock", 91, "wall"),
+        thing(8, "stool", 92, "rug"),
+        thing(92, "rug", 90, "floor"),
         thing(3, "mug", 1, "desk"),
         thing(4, "vase", 2, "shelf"),
         thing(5, "book", 1, "desk"),
