@@ -1,16 +1,19 @@
 """Core types <-> messages. Both sides share field names on purpose, so most of it is copying."""
 
+from collections.abc import Iterable
 from dataclasses import fields
 from typing import Any, TypeVar
 
 import numpy as np
 
 from sceneq_core.arrays import Bool
-from sceneq_core.mapping.delta import Instance, MapDelta
+from sceneq_core.mapping.delta import Event, Instance, MapDelta, Place
 from sceneq_core.views.view import View, ViewSet
 from sceneq_schemas.errors import DecodeError
+from sceneq_schemas.map import Event as EventMessage
 from sceneq_schemas.map import Instance as InstanceMessage
 from sceneq_schemas.map import MapDelta as MapDeltaMessage
+from sceneq_schemas.map import Place as PlaceMessage
 from sceneq_schemas.view import View as ViewMessage
 from sceneq_schemas.view import ViewSet as ViewSetMessage
 
@@ -20,14 +23,21 @@ MAX_MASK_SIDE = 16_384
 
 def map_delta_message(delta: MapDelta, epoch: int, seq: int) -> MapDeltaMessage:
     """Return ``delta`` as the ``seq``-th message of ``epoch``."""
-    instances = tuple(_copy(InstanceMessage, instance) for instance in delta.instances)
-    return _copy(MapDeltaMessage, delta, epoch=epoch, seq=seq, instances=instances)
+    instances = tuple(
+        _copy(InstanceMessage, instance, places=_copies(PlaceMessage, instance.places))
+        for instance in delta.instances
+    )
+    events = _copies(EventMessage, delta.events)
+    return _copy(MapDeltaMessage, delta, epoch=epoch, seq=seq, instances=instances, events=events)
 
 
 def map_delta_from_message(message: MapDeltaMessage) -> MapDelta:
     """Return the change of the map in ``message``; its place in the epoch stays behind."""
-    instances = tuple(_copy(Instance, instance) for instance in message.instances)
-    return _copy(MapDelta, message, instances=instances)
+    instances = tuple(
+        _copy(Instance, instance, places=_copies(Place, instance.places))
+        for instance in message.instances
+    )
+    return _copy(MapDelta, message, instances=instances, events=_copies(Event, message.events))
 
 
 def view_set_message(view_set: ViewSet) -> ViewSetMessage:
@@ -60,6 +70,10 @@ def _copy(cls: type[C], source: Any, **changes: Any) -> C:
     """Return a ``cls`` with ``changes`` and, for its other fields, those of ``source``."""
     names = [f.name for f in fields(cls) if f.name not in changes]  # type: ignore[arg-type]
     return cls(**{name: getattr(source, name) for name in names}, **changes)
+
+
+def _copies(cls: type[C], sources: Iterable[Any]) -> tuple[C, ...]:
+    return tuple(_copy(cls, source) for source in sources)
 
 
 def _unpack_mask(view: ViewMessage) -> Bool:

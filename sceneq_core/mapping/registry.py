@@ -7,7 +7,7 @@ from sceneq_core.arrays import Float32, Float64, Int32
 from sceneq_core.checks import need_at_least
 from sceneq_core.mapping.association import GroupChange
 from sceneq_core.mapping.boxes import box_around
-from sceneq_core.mapping.delta import Instance
+from sceneq_core.mapping.delta import CONFIRMED, REMOVED, Instance
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,7 @@ class Registry:
         for group in change.changed.tolist():
             news |= self._follow(group, members(group), up_world)
         for instance_id, instance in news.items():
-            if instance.state == "active":
+            if instance.state != REMOVED:
                 self.instances[instance_id] = instance
             else:
                 self.instances.pop(instance_id, None)
@@ -98,7 +98,7 @@ class Registry:
         kept.active = kept.active or gone.active
         kept.instance_id = ids[0] if ids else 0
         last = self.instances.get(ids[-1]) if len(ids) == 2 else None
-        return {ids[1]: replace(last, state="removed", merged_into=ids[0])} if last else {}
+        return {ids[1]: replace(last, state=REMOVED, merged_into=ids[0])} if last else {}
 
     def _follow(self, group: int, members: Members, up_world: Float64) -> dict[int, Instance]:
         life = self._lives.get(group)
@@ -111,7 +111,7 @@ class Registry:
             del self._lives[group]
         if ended:
             last = self.instances[life.instance_id]
-            return {life.instance_id: replace(last, state="removed")}
+            return {life.instance_id: replace(last, state=REMOVED)}
         return self._describe(life, members, up_world) if active else {}
 
     def _qualifies(self, life: _Life, voxels: int) -> bool:
@@ -127,7 +127,7 @@ class Registry:
         box = box_around(members.points_world, up_world)
         instance = Instance(
             instance_id=life.instance_id,
-            state="active",
+            state=CONFIRMED,
             merged_into=0,
             parent=life.parent,
             superpoint_id=members.superpoint_id,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from sceneq_core.arrays import Bool, Float32, Int32, UInt8
-from sceneq_core.mapping.delta import Instance, MapDelta
+from sceneq_core.mapping.delta import REMOVED, STATES, Instance, MapDelta
 from sceneq_core.mapping.rows import with_rows
 from sceneq_core.mapping.voxel_index import COORD_LIMIT
 
@@ -15,7 +15,7 @@ class MapReplica:
     """The map as its deltas tell it: voxel columns indexed by voxel id, instances by id.
 
     Attributes:
-        instances: every active instance by id.
+        instances: every instance that is not removed, by id.
         frame_seq: the newest frame in the map, -1 before the first.
         stamp_ns: capture time of that frame, nanoseconds.
     """
@@ -120,7 +120,7 @@ class MapReplica:
         owned = self._instance_of_superpoint
         owned[owned == instance.instance_id] = 0
         self.instances.pop(instance.instance_id, None)
-        if instance.state != "active":
+        if instance.state == REMOVED:
             return
         self.instances[instance.instance_id] = instance
         owned = with_rows(owned, int(instance.superpoint_id.max(initial=-1)) + 1, 0)
@@ -156,7 +156,7 @@ def _check(delta: MapDelta, known_voxels: int) -> None:
     voxels = max(known_voxels, int(delta.voxel_id.max(initial=-1)) + 1)
     _check_ids("removed_voxel_id", delta.removed_voxel_id, 0, voxels)
     for instance in delta.instances:
-        if instance.instance_id <= 0 or instance.state not in ("active", "removed"):
+        if instance.instance_id <= 0 or instance.state not in STATES:
             raise ValueError(f"map delta: instance {instance.instance_id} is {instance.state!r}")
         _check_ids("instance.superpoint_id", instance.superpoint_id, 0, MAX_VOXELS)
 

@@ -112,7 +112,7 @@ class Scene:
         if full:
             self._geometry = {}
         for instance in instances:
-            if instance.state == "active":
+            if instance.state != "removed":
                 self._geometry[instance.instance_id] = instance
             else:
                 self._geometry.pop(instance.instance_id, None)

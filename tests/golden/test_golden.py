@@ -1,7 +1,9 @@
 """The bytes of every message version, as they were when the version was made.
 
-A file here is never rewritten: other versions of the program and recordings depend on it. When a
-message gets a new VERSION, add its example to ``tests/support/messages.py`` and write the file:
+A released file is never rewritten: other versions of the program and recordings depend on it. A
+message that gains fields with defaults keeps its VERSION; what it was before moves to earlier/ and
+must still decode. When a message gets a new VERSION, add its example to
+``tests/support/messages.py`` and write the file:
 
     PYTHONPATH=tests python tests/golden/test_golden.py
 """
@@ -32,6 +34,15 @@ def test_bytes_do_not_change(schema: str) -> None:
 def test_old_bytes_decode_to_the_same_message(schema: str) -> None:
     message = BY_SCHEMA[schema]
     assert same(decode(type(message), path(schema).read_bytes()), message)
+
+
+@pytest.mark.parametrize("earlier", sorted((FOLDER / "earlier").iterdir()), ids=lambda p: p.stem)
+def test_bytes_from_before_a_field_was_added_still_decode(earlier: Path) -> None:
+    now = BY_SCHEMA[earlier.stem]
+    old = decode(type(now), earlier.read_bytes())
+    assert (old.epoch, old.seq) == (now.epoch, now.seq)
+    assert same(old.voxel_coord, now.voxel_coord)
+    assert (old.events, old.quarantined) == ((), "")
 
 
 def test_every_typed_topic_has_a_golden_file() -> None:

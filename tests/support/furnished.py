@@ -73,7 +73,7 @@ class WordEncoder:
         return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
-def instance(instance_id: int, thing: Thing, *, state: str = "active") -> Instance:
+def instance(instance_id: int, thing: Thing, *, state: str = "confirmed") -> Instance:
     low, high = np.array(thing.low, float), np.array(thing.high, float)
     T_world_box = np.eye(4)
     T_world_box[:3, 3] = (low + high) / 2

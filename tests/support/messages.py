@@ -7,7 +7,7 @@ import numpy as np
 
 from sceneq_schemas.feature import Descriptor, FeatureDelta
 from sceneq_schemas.frame import Frame, ImageData, Pose
-from sceneq_schemas.map import Instance, MapDelta
+from sceneq_schemas.map import Event, Instance, MapDelta, Place
 from sceneq_schemas.mask import Masks
 from sceneq_schemas.view import View, ViewDelta, ViewSet
 
@@ -49,7 +49,7 @@ EXAMPLES = (
         instances=(
             Instance(
                 instance_id=3,
-                state="active",
+                state="confirmed",
                 merged_into=0,
                 parent=1,
                 superpoint_id=ramp("<i4", 2),
@@ -60,8 +60,18 @@ EXAMPLES = (
                 box_size_m=np.array([0.5, 0.25, 0.125]),
                 first_seen_ns=10,
                 last_seen_ns=1_000,
+                state_since_ns=20,
+                role="wall",
+                places=(Place(np.array([1.0, 2.0, 3.0]), ramp("<f8", 2, 3), 10, 15),),
+                supported_by=5,
+                inside=6,
+                neighbour_id=ramp("<i4", 2) + 8,
             ),
         ),
+        events=(Event("merged", 2, 3, 1_000),),
+        quarantined="the pose jumps",
+        moved_from_id=ramp("<i4", 1),
+        moved_to_id=ramp("<i4", 1) + 3,
     ),
     ViewDelta(
         epoch=1,

@@ -26,7 +26,7 @@ def instance(instance_id: int, superpoint_id: Iterable[int], **changes) -> Insta
     """Return an active instance of the given superpoints at the origin."""
     plain = Instance(
         instance_id=instance_id,
-        state="active",
+        state="confirmed",
         merged_into=0,
         parent=0,
         superpoint_id=np.array(sorted(superpoint_id), np.int32),

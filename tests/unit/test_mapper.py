@@ -201,8 +201,8 @@ class Lives:
 def test_an_instance_needs_views_and_voxels():
     lives = Lives(min_views=2, min_voxels=10)
     assert lives.show(0, 1, founded=[(0, -1), (1, -1)], g0=20, g1=5) == []
-    assert lives.show(0, 1) == [(1, "active", 0)]
-    assert lives.show(1, g1=10) == [(2, "active", 0)]
+    assert lives.show(0, 1) == [(1, "confirmed", 0)]
+    assert lives.show(1, g1=10) == [(2, "confirmed", 0)]
     instance = lives.registry.instances[2]
     assert (instance.first_seen_ns, instance.last_seen_ns, instance.voxel_count) == (1, 3, 10)
 
@@ -210,15 +210,15 @@ def test_an_instance_needs_views_and_voxels():
 def test_an_instance_that_shrinks_to_nothing_ends_and_its_id_is_not_given_again():
     lives = Lives(min_views=1, min_voxels=10)
     lives.show(0, founded=[(0, -1)], g0=20)
-    assert lives.show(0, g0=6) == [(1, "active", 0)]
+    assert lives.show(0, g0=6) == [(1, "confirmed", 0)]
     assert lives.show(0, g0=0) == [(1, "removed", 0)]
-    assert lives.show(0, founded=[(0, -1)], g0=20) == [(2, "active", 0)]
+    assert lives.show(0, founded=[(0, -1)], g0=20) == [(2, "confirmed", 0)]
 
 
 def test_a_merge_keeps_the_older_id():
     lives = Lives(min_views=1, min_voxels=10)
     lives.show(0, 1, founded=[(0, -1), (1, -1)], g0=20, g1=30)
-    assert lives.show(1, merged=[(0, 1)], g0=0, g1=50) == [(1, "active", 0), (2, "removed", 1)]
+    assert lives.show(1, merged=[(0, 1)], g0=0, g1=50) == [(1, "confirmed", 0), (2, "removed", 1)]
     assert sorted(lives.registry.instances) == [1]
 
 

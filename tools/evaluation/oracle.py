@@ -149,7 +149,7 @@ def _instance(thing_id: int, aabb_world: Float64) -> Instance:
     T_world_box[:3, 3] = centre_world
     return Instance(
         instance_id=thing_id,
-        state="active",
+        state="confirmed",
         merged_into=0,
         parent=0,
         superpoint_id=np.array([thing_id], np.int32),

@@ -94,7 +94,7 @@ def _instance(record: Mapping[str, Any]) -> Instance:
     T_world_box[:3, 3] = oriented["centre"]
     return Instance(
         instance_id=int(record["id"]),
-        state="active",
+        state="confirmed",
         merged_into=0,
         parent=0,
         superpoint_id=NO_IDS,
