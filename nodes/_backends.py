@@ -21,6 +21,7 @@ BACKENDS: dict[str, dict[str, str]] = {
     },
     "odometry": {"kiss_icp": "sceneq_core.ingest.odometry:KissIcpOdometry"},
     "keyframes": {
+        "interval": "sceneq_core.ingest.keyframes:Interval",
         "every": "sceneq_core.ingest.keyframes:EveryNth",
         "motion": "sceneq_core.ingest.keyframes:Motion",
     },

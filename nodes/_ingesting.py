@@ -19,7 +19,7 @@ class IngestSpecs:
     """
 
     source: Spec
-    keyframes: Spec = field(default_factory=lambda: {"kind": "every", "every": 10})
+    keyframes: Spec = field(default_factory=lambda: {"kind": "interval"})
     odometry: Spec = field(default_factory=lambda: {"kind": "kiss_icp"})
 
 

@@ -51,7 +51,7 @@ class IngestParams:
 
     source: dict[str, Any]
     rate_hz: float | None = None
-    keyframes: dict[str, Any] = field(default_factory=lambda: {"kind": "every", "every": 10})
+    keyframes: dict[str, Any] = field(default_factory=lambda: {"kind": "interval"})
     odometry: dict[str, Any] = field(default_factory=lambda: {"kind": "kiss_icp"})
     rgb_codec: str = "raw"
     depth_codec: str = "raw"

@@ -7,11 +7,17 @@ import typer
 
 from sceneq_tools.export_command import Rrd, write_all
 from sceneq_tools.progress import Quiet, progress
-from sceneq_tools.up_command import NoPoses, Scene, Segmenter, Step, source_overrides
+from sceneq_tools.up_command import NoPoses, Scene, Segmenter, source_overrides
 
 if TYPE_CHECKING:
     from sceneq_tools.batch import Batch
     from sceneq_tools.graph_plan import Plan
+
+
+MapStep = Annotated[
+    int | None,
+    typer.Option(min=1, help="Put every Nth frame into the map; default: as the graph says."),
+]
 
 
 def run(
@@ -21,7 +27,7 @@ def run(
         Path | None, typer.Option(help="Default: ./graph.yaml, else the one in the package.")
     ] = None,
     scene: Scene = None,
-    step: Step = None,
+    step: MapStep = None,
     no_poses: NoPoses = False,
     segmenter: Segmenter = None,
     rrd: Rrd = False,
@@ -54,12 +60,15 @@ def _plan(
     no_poses: bool,
     segmenter: str | None,
 ) -> "Plan":
-    from sceneq_tools.graph import default_path, load
+    from sceneq_tools.graph import Override, default_path, load
     from sceneq_tools.graph_check import check_nodes
     from sceneq_tools.graph_plan import plan
 
     # Rate 0: the next frame is read when the last one is in the map.
-    overrides = source_overrides(source, scene, 0.0, step, False, no_poses, segmenter)
+    overrides = source_overrides(source, scene, 0.0, None, False, no_poses, segmenter)
+    if step is not None:
+        every = {"kind": "every", "every": step}
+        overrides.append(Override("ingest", ("keyframes",), every, "--step"))
     loaded, document = load(graph or default_path(), overrides)
     check_nodes(loaded, document)
     return plan(loaded, document, "local")

@@ -2,8 +2,6 @@
 
 from collections.abc import Collection, Sequence
 
-from scipy.stats import rankdata
-
 from sceneq_core.arrays import Bool, Float64
 
 
@@ -18,6 +16,9 @@ def auroc(score: Float64, positive: Bool) -> float | None:
     """
     if len(score) != len(positive):
         raise ValueError(f"positive: {len(positive)} values for {len(score)} scores")
+    # Imported here: scipy.stats takes most of a second, and few commands rank.
+    from scipy.stats import rankdata
+
     count = int(positive.sum())
     others = len(positive) - count
     if not count or not others:

@@ -6,7 +6,6 @@ C. Guo et al., "On Calibration of Modern Neural Networks", ICML 2017, arXiv:1706
 from collections.abc import Callable
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 LOWEST, HIGHEST = 0.001, 1.0
 """Cosines lie within -1..1: below, the best takes all; above, all are alike."""
@@ -32,6 +31,8 @@ def fit_temperature(
     losses = np.array([loss(float(np.exp(log_t))) for log_t in grid])
     if not np.isfinite(losses).all():
         raise ValueError("loss: not finite, there is nothing to fit to")
+    from scipy.optimize import minimize_scalar  # slow to import
+
     best = int(losses.argmin())
     bounds = grid[max(best - 1, 0)], grid[min(best + 1, COARSE - 1)]
     found = minimize_scalar(

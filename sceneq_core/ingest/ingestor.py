@@ -71,14 +71,14 @@ class Ingestor:
         return T_world_depth
 
     def _keyframe(self, raw: RawFrame, T_world_camera: Float64) -> Frame | Skipped | None:
-        if not self._keyframes.is_due(T_world_camera):
+        if not self._keyframes.is_due(T_world_camera, raw.stamp_ns):
             return None
         rgb, depth_mm = raw.read_rgb(), raw.read_depth_mm()
         if isinstance(rgb, Skipped):
             return rgb
         if isinstance(depth_mm, Skipped):
             return depth_mm
-        self._keyframes.took(T_world_camera)
+        self._keyframes.took(T_world_camera, raw.stamp_ns)
         return Frame(
             seq=raw.seq,
             stamp_ns=raw.stamp_ns,

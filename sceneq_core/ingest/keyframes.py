@@ -11,10 +11,10 @@ from sceneq_core.ingest.transforms import angle_deg, distance_m
 class KeyframePolicy(Protocol):
     """Chooses keyframes; the first frame is always due."""
 
-    def is_due(self, T_world_camera: Float64) -> bool:
+    def is_due(self, T_world_camera: Float64, stamp_ns: int) -> bool:
         """Tell whether this next frame of the stream should become a keyframe."""
 
-    def took(self, T_world_camera: Float64) -> None:
+    def took(self, T_world_camera: Float64, stamp_ns: int) -> None:
         """Learn that it did: a due frame whose images are bad is followed up by the next one."""
 
 
@@ -38,14 +38,52 @@ class EveryNth:
         self.params = params
         self._since_last = params.every - 1
 
-    def is_due(self, T_world_camera: Float64) -> bool:
+    def is_due(self, T_world_camera: Float64, stamp_ns: int) -> bool:
         """Count the frame; true when enough have passed since the last keyframe."""
         self._since_last += 1
         return self._since_last >= self.params.every
 
-    def took(self, T_world_camera: Float64) -> None:
+    def took(self, T_world_camera: Float64, stamp_ns: int) -> None:
         """Start counting anew."""
         self._since_last = 0
+
+
+_TIMER_NOISE_NS = 1_000_000
+"""Stamps of a regular camera jitter: a frame this much early is not left for the next one."""
+
+
+@dataclass(frozen=True, slots=True)
+class IntervalParams:
+    """``period_s``: seconds of capture time from one keyframe to the next, at least."""
+
+    period_s: float = 0.3
+
+    def __post_init__(self) -> None:
+        need_positive(self, "period_s")
+
+
+class Interval:
+    """A keyframe every ``period_s``, whatever the frame rate of the camera.
+
+    A clock that was set back starts a new period.
+    """
+
+    Params: ClassVar[type] = IntervalParams
+    kind: ClassVar[str] = "interval"
+
+    def __init__(self, params: IntervalParams) -> None:
+        self.params = params
+        self._period_ns = round(params.period_s * 1e9) - _TIMER_NOISE_NS
+        self._last_ns: int | None = None
+
+    def is_due(self, T_world_camera: Float64, stamp_ns: int) -> bool:
+        """Tell whether the period is over."""
+        last = self._last_ns
+        return last is None or not 0 <= stamp_ns - last < self._period_ns
+
+    def took(self, T_world_camera: Float64, stamp_ns: int) -> None:
+        """Start the next period."""
+        self._last_ns = stamp_ns
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +107,7 @@ class Motion:
         self.params = params
         self._T_world_last: Float64 | None = None
 
-    def is_due(self, T_world_camera: Float64) -> bool:
+    def is_due(self, T_world_camera: Float64, stamp_ns: int) -> bool:
         """Tell whether the pose differs enough from the last keyframe's."""
         last = self._T_world_last
         return (
@@ -78,6 +116,6 @@ class Motion:
             or angle_deg(last, T_world_camera) >= self.params.rotation_deg
         )
 
-    def took(self, T_world_camera: Float64) -> None:
+    def took(self, T_world_camera: Float64, stamp_ns: int) -> None:
         """Measure from this pose on."""
         self._T_world_last = T_world_camera

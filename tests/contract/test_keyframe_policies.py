@@ -6,6 +6,7 @@ import pytest
 from sceneq_nodes._backends import build, kinds
 
 KINDS = sorted(kinds("keyframes"))
+FRAME_NS = 33_333_333
 
 
 def pose(x_m: float) -> np.ndarray:
@@ -18,8 +19,8 @@ def chosen(kind: str, way_m: list[float]) -> list[int]:
     policy = build("keyframes", {"kind": kind})
     taken = []
     for i, x_m in enumerate(way_m):
-        if policy.is_due(pose(x_m)):
-            policy.took(pose(x_m))
+        if policy.is_due(pose(x_m), i * FRAME_NS):
+            policy.took(pose(x_m), i * FRAME_NS)
             taken.append(i)
     return taken
 
@@ -40,7 +41,7 @@ def test_the_same_way_gives_the_same_choice(kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_due_frame_that_was_bad_is_followed_up_by_the_next(kind: str) -> None:
     policy = build("keyframes", {"kind": kind})
-    assert policy.is_due(pose(0.0))
-    assert policy.is_due(pose(0.0))
-    policy.took(pose(0.0))
-    assert not policy.is_due(pose(0.0))
+    assert policy.is_due(pose(0.0), 0)
+    assert policy.is_due(pose(0.0), FRAME_NS)
+    policy.took(pose(0.0), FRAME_NS)
+    assert not policy.is_due(pose(0.0), 2 * FRAME_NS)

@@ -37,7 +37,7 @@ LABELS = "labels: what a true instance is called, of those whose name is in the 
 PROTOCOL = (
     "NLL, Brier: all choices, several right ones count as one; ECE: p of the first guess, "
     f"{WIDTH_BINS} bins of equal width / {MASS_BINS} of equal mass; AURC: area under risk against "
-    "coverage, in brackets the least possible at this accuracy; AUROC: right against wrong "
+    "coverage, least AURC: the least possible at this accuracy; AUROC: right against wrong "
     "first guesses"
 )
 ROUTING = (

@@ -25,7 +25,7 @@ from sceneq_tools.graph_check import check_nodes
 
 P = TypeVar("P")
 
-EVERY_TENTH: Spec = {"kind": "every", "every": 10}
+USUAL_KEYFRAMES: Spec = {"kind": "interval"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,7 +96,7 @@ def _setup(params: Mapping[str, Mapping[str, Any]], calibration: Path | None) ->
         router=new_router(encoder, routing.chosen_labels(), routing.router, fitted),
         reasoner=build("reasoner", reasoning.reasoner, ("reasoner",)),
         calibration=fitted,
-        keyframes=params.get("ingest", {}).get("keyframes", EVERY_TENTH),
+        keyframes=params.get("ingest", {}).get("keyframes", USUAL_KEYFRAMES),
         views=ViewParams(views.choice, views.archive),
         describe=encoding.describe,
     )
