@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from sceneq_core.arrays import Float64
-from sceneq_core.mapping.delta import Instance
+from sceneq_core.mapping.delta import STALE, Instance, Place
 from sceneq_core.routing.answer import Answer, Match, Naming
 from sceneq_core.routing.gate import Confidence
 from sceneq_core.routing.labels import Label
@@ -37,13 +37,18 @@ def answer_json(answer: Answer, k: int, stamp: Stamp) -> Json:
         "instances": [_match_json(match, stamp.scene) for match in answer.matches[:k]],
         "confidence": {**_confidence_json(answer.confidence), "presence": _p(answer.presence)},
         "route": answer.route,
-        "reason": answer.reason,
-        "cost": {
-            "vlm_calls": answer.vlm_calls,
-            "ms": {stage: round(ms, 2) for stage, ms in stamp.stage_ms.items()},
-        },
+        "reason": _reason(answer),
+        "cost": _cost_json(answer, stamp),
         **_stamp_json(answer.revision, stamp),
     }
+
+
+def _reason(answer: Answer) -> str:
+    """Say so when the best match may not be where it is said to be."""
+    best = answer.matches[0].instance.geometry if answer.matches else None
+    if best is None or best.state != STALE:
+        return answer.reason
+    return f"{answer.reason}; {best.instance_id} was looked for there and not found, or in part"
 
 
 def naming_json(naming: Naming, stamp: Stamp) -> Json:
@@ -56,8 +61,9 @@ def naming_json(naming: Naming, stamp: Stamp) -> Json:
             for label in naming.labels
         ],
         "confidence": _confidence_json(naming.confidence),
-        "route": "fast",
+        "route": naming.route,
         "reason": naming.reason,
+        "cost": _cost_json(naming, stamp),
         **_stamp_json(naming.revision, stamp),
     }
 
@@ -88,6 +94,7 @@ def _instance_json(
         "id": geometry.instance_id,
         "label": label.name if label else None,
         "p": _p(label.p) if label else 0.0,
+        "role": geometry.role,
         "centre": _mm(geometry.centre_world),
         "box_aabb": {"min": _mm(low), "max": _mm(high)},
         "box_oriented": {
@@ -95,9 +102,25 @@ def _instance_json(
             "size": _mm(geometry.box_size_m),
             "rotation": [_rounded(row, 6) for row in geometry.T_world_box[:3, :3]],
         },
+        "supported_by": geometry.supported_by or None,
+        "inside": geometry.inside or None,
+        "neighbours": geometry.neighbour_id.tolist(),
+        "state": geometry.state,
+        "state_since_ns": geometry.state_since_ns,
         "first_seen_ns": geometry.first_seen_ns,
         "last_seen_ns": geometry.last_seen_ns,
+        "places": [_place_json(place) for place in geometry.places],
         "views": [_view_json(view, scene) for view in views],
+    }
+
+
+def _place_json(place: Place) -> Json:
+    low, high = place.aabb_world
+    return {
+        "centre": _mm(place.centre_world),
+        "box_aabb": {"min": _mm(low), "max": _mm(high)},
+        "from_ns": place.from_ns,
+        "until_ns": place.until_ns,
     }
 
 
@@ -105,6 +128,16 @@ def map_json(revision: Revision, age_s: float) -> Json:
     """Return which map was used, and how long ago it last changed."""
     age = round(age_s, 3) if math.isfinite(age_s) else None
     return {"epoch": revision.epoch, "seq": revision.seq, "age_s": age}
+
+
+def _cost_json(answer: Answer | Naming, stamp: Stamp) -> Json:
+    usage = answer.usage
+    return {
+        "vlm_calls": answer.vlm_calls,
+        "tokens": {"in": usage.tokens_in, "out": usage.tokens_out},
+        "money": round(usage.money, 6),
+        "ms": {stage: round(ms, 2) for stage, ms in stamp.stage_ms.items()},
+    }
 
 
 def _match_json(match: Match, scene: str) -> Json:

@@ -21,7 +21,8 @@ class Ask:
     """A request, read.
 
     ``text`` is the question, "" = none; ``k`` and ``instance_id`` are ``None`` when not given;
-    ``after``: list instances with a higher id; ``mode`` is "", "fast" or "reason".
+    ``after``: list instances with a higher id; ``mode`` is "", "fast" or "reason";
+    ``deadline_ms``: when the answer must be there, from its arrival.
     """
 
     text: str
@@ -30,6 +31,7 @@ class Ask:
     after: int
     mode: str
     fmt: str
+    deadline_ms: int | None = None
 
 
 def read_ask(request: Request) -> Ask:
@@ -50,6 +52,7 @@ def read_ask(request: Request) -> Ask:
         after=_count(said, "after", 0) or 0,
         mode=_choice(said, "mode", "", MODES),
         fmt=_choice(said, "fmt", default_fmt, FORMATS),
+        deadline_ms=_count(said, "deadline_ms", 1),
     )
 
 

@@ -19,7 +19,10 @@ BACKENDS: dict[str, dict[str, str]] = {
         "replica": "sceneq_nodes._replica_source:ReplicaSource",
         "tum": "sceneq_nodes._tum_source:TumSource",
     },
-    "odometry": {"kiss_icp": "sceneq_core.ingest.odometry:KissIcpOdometry"},
+    "odometry": {
+        "depth_icp": "sceneq_core.ingest.depth_odometry:DepthOdometry",
+        "kiss_icp": "sceneq_core.ingest.odometry:KissIcpOdometry",
+    },
     "keyframes": {
         "interval": "sceneq_core.ingest.keyframes:Interval",
         "every": "sceneq_core.ingest.keyframes:EveryNth",
@@ -28,12 +31,25 @@ BACKENDS: dict[str, dict[str, str]] = {
     "segmenter": {
         "rgbd": "sceneq_core.segmentation.rgbd:RgbdSegmenter",
         "files": "sceneq_nodes._files_segmenter:FilesSegmenter",
+        "sam": "sceneq_nodes._sam_segmenter:SamSegmenter",
+        "onnx": "sceneq_nodes._onnx_segmenter:OnnxSegmenter",
+    },
+    "proposals": {
+        "none": "sceneq_core.mapping.proposals:NoProposals",
+        "file": "sceneq_nodes._proposal_file:ProposalFile",
     },
     "encoder": {
         "conse": "sceneq_nodes._conse_encoder:ConseEncoder",
+        "openclip": "sceneq_nodes._openclip_encoder:OpenclipEncoder",
+        "transformers": "sceneq_nodes._transformers_encoder:TransformersEncoder",
+        "onnx": "sceneq_nodes._onnx_encoder:OnnxEncoder",
         "hash": "sceneq_core.encoding.hash:HashEncoder",
     },
-    "reasoner": {"geometric": "sceneq_core.reasoning.geometric:GeometricReasoner"},
+    "reasoner": {
+        "geometric": "sceneq_core.reasoning.geometric:GeometricReasoner",
+        "openai": "sceneq_nodes._openai_reasoner:OpenAiReasoner",
+        "transformers": "sceneq_nodes._transformers_reasoner:TransformersReasoner",
+    },
 }
 
 

@@ -86,6 +86,11 @@ def given_calibration(path: str) -> Calibration | None:
     return read_calibration(Path(path)) if path else None
 
 
+def fitting(calibration: Calibration | None, encoder: Encoder) -> Calibration | None:
+    """Return the calibration if it was made for ``encoder``."""
+    return calibration if calibration and calibration.encoder == encoder.model_id else None
+
+
 def read_calibration(path: Path) -> Calibration:
     """Return the calibration in a file; raise ``ValueError`` naming the file and what is wrong."""
     try:

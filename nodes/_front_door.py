@@ -1,14 +1,21 @@
 """The queryables of a scene: every handler answers from one immutable snapshot."""
 
+import math
 import time
 import uuid
 from collections import Counter, deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sceneq_core.mapping.delta import Instance
-from sceneq_core.reasoning.reasoner import Problem, Verdict
-from sceneq_core.routing.answer import Answer
+from sceneq_core.reasoning.reasoner import (
+    LabelProblem,
+    LabelVerdict,
+    Problem,
+    UnansweredError,
+    Verdict,
+)
+from sceneq_core.routing.answer import Answer, Naming
 from sceneq_core.routing.question import Question
 from sceneq_core.routing.router import MAX_MATCHES, Routed, Router
 from sceneq_core.routing.scene import SceneInstance, SceneSnapshot
@@ -32,8 +39,10 @@ MAX_SHOWN_CHARS = 80
 USAGE = {
     "instances": "?q=red mug (or the question as payload); k=5; fmt=json|msgpack; without q: "
     "?id=7 one instance, ?k=100;after=0 a page of the list",
-    "ask": "?q=the mug on the table; may call the reasoner; mode=fast|reason; k=5",
-    "label": "?id=7: what the instance is called, with probabilities; k=5",
+    "ask": "?q=the mug on the table; may call the reasoner; mode=fast|reason; k=5; "
+    "deadline_ms=3000",
+    "label": "?id=7: what the instance is called, with probabilities; k=5; mode=reason asks the "
+    "reasoner; deadline_ms=3000",
 }
 
 
@@ -45,8 +54,8 @@ class Look:
     map_arrived_s: float
 
 
-class ReasonerError(Exception):
-    """No verdict; the text says why."""
+def _nobody(problem: LabelProblem) -> LabelVerdict:
+    raise UnansweredError("no reasoner names things here")
 
 
 class FrontDoor:
@@ -59,12 +68,14 @@ class FrontDoor:
         look: Callable[[], Look],
         reason: Callable[[Problem], Verdict],
         health: Callable[[], Json],
+        name: Callable[[LabelProblem], LabelVerdict] = _nobody,
     ) -> None:
         self._scene = scene
         self._router = router
         self._look = look
         self._reason = reason
         self._health = health
+        self._name = name
         self._last: deque[Json] = deque(maxlen=LAST)
         self._last_whole: deque[Json] = deque(maxlen=LAST_WHOLE)
 
@@ -94,7 +105,8 @@ class FrontDoor:
         watch.lap("search")
         answer = routed.answer
         if routed.problem and (ask.mode == "reason" or (not routed.enough and ask.mode != "fast")):
-            answer = self._think(look.snapshot, routed, routed.problem)
+            problem = replace(routed.problem, time_s=_left_s(ask, watch))
+            answer = self._think(look.snapshot, routed, problem)
             watch.lap("reason")
         return self._tell(ask, answer, look, watch)
 
@@ -104,9 +116,12 @@ class FrontDoor:
         if request.wildcard or ask.instance_id is None:
             usage = reply({"usage": USAGE["label"]}, "usage", ask.fmt)
             return None if request.wildcard and ask.text else usage
-        naming = self._router.label(
-            look.snapshot, self._row(look, ask.instance_id), ask.k or DEFAULT_K
-        )
+        row, k = self._row(look, ask.instance_id), ask.k or DEFAULT_K
+        naming = self._router.label(look.snapshot, row, k)
+        watch.lap("search")
+        if ask.mode == "reason":
+            naming = self._think_of_name(look.snapshot, row, naming, _left_s(ask, watch))
+            watch.lap("reason")
         return reply(naming_json(naming, self._stamp(look, watch)), "label", ask.fmt)
 
     def status(self, request: Request) -> Reply | None:
@@ -153,8 +168,23 @@ class FrontDoor:
         """Let the reasoner decide; when it cannot, the encoder's answer has to do."""
         try:
             return self._router.conclude(snapshot, routed, self._reason(problem))
-        except (ReasonerError, ValueError) as error:
+        except UnansweredError as error:
+            return self._router.fall_back(routed, str(error), error.vlm_calls, error.usage)
+        except ValueError as error:
             return self._router.fall_back(routed, str(error))
+
+    def _think_of_name(
+        self, snapshot: SceneSnapshot, row: int, naming: Naming, time_s: float
+    ) -> Naming:
+        """Let the reasoner look at the thing; when it cannot, the encoder's name has to do."""
+        problem = replace(self._router.label_problem(snapshot, row), time_s=time_s)
+        try:
+            verdict = self._name(problem)
+            return self._router.conclude_label(snapshot, row, verdict, len(naming.labels))
+        except UnansweredError as error:
+            return self._router.fall_back_label(naming, str(error), error.vlm_calls, error.usage)
+        except ValueError as error:
+            return self._router.fall_back_label(naming, str(error))
 
     def _tell(self, ask: Ask, answer: Answer, look: Look, watch: "Stopwatch") -> Reply:
         k = min(ask.k or DEFAULT_K, MAX_MATCHES)
@@ -234,6 +264,13 @@ class FrontDoor:
 
     def _age_s(self, look: Look) -> float:
         return time.monotonic() - look.map_arrived_s
+
+
+def _left_s(ask: Ask, watch: "Stopwatch") -> float:
+    """Return how long a reasoner may take."""
+    if ask.deadline_ms is None:
+        return math.inf
+    return max(0.0, (ask.deadline_ms - watch.total_ms()) / 1e3)
 
 
 class Stopwatch:

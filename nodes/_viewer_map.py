@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from sceneq_core.arrays import Float64, UInt8
-from sceneq_core.mapping.delta import Instance
+from sceneq_core.mapping.delta import OBJECT, STALE, TENTATIVE, Instance
 from sceneq_core.mapping.replica import MapReplica
 from sceneq_core.picture.colours import instance_colours
 from sceneq_nodes._viewer_cloud import CloudLog, by_colour, by_instance, by_superpoint
@@ -52,8 +52,10 @@ class MapLog:
         """
         self._log_up(replica.up_world)
         count = sum(cloud.log(self._recording, replica) for cloud in self._clouds)
-        instances = [replica.instances[key] for key in sorted(replica.instances)]
-        texts = [captions.get(one.instance_id, str(one.instance_id)) for one in instances]
+        # Boxes of floor and walls enclose everything else; the clouds show them well enough.
+        every = [replica.instances[key] for key in sorted(replica.instances)]
+        instances = [one for one in every if one.role == OBJECT and one.state != TENTATIVE]
+        texts = [_text(one, captions) for one in instances]
         self._recording.log(BOXES, instance_boxes(instances, texts, BOX_RADIUS_M))
         return count
 
@@ -71,6 +73,11 @@ class MapLog:
 
             self._up = name
             self._recording.log("world", getattr(rr.ViewCoordinates, name), static=True)
+
+
+def _text(instance: Instance, captions: Mapping[int, str]) -> str:
+    text = captions.get(instance.instance_id, str(instance.instance_id))
+    return f"{text} ({STALE})" if instance.state == STALE else text
 
 
 def instance_boxes(

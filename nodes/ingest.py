@@ -1,14 +1,16 @@
 """Brings a recording or a camera into the graph: a pose for every frame, images of keyframes.
 
 Reads   a source; sceneq/view/<scene>/delta/v1 when lossless: its ``frame_seq`` acknowledges.
-Writes  sceneq/pose/<robot>/v1 for every frame, sceneq/frame/<robot>/<sensor>/v1 for keyframes.
+Writes  sceneq/pose/<robot>/v1 for every frame, sceneq/frame/<robot>/<sensor>/v1 for keyframes,
+        sceneq/pose/<robot>/correction/v1 when odometry closes a loop: earlier poses were wrong.
 Serves  sceneq/ctl/<node>/{list,move,remove,add,look}: what a simulated source lets one change.
 Rate    ``rate_hz`` frames a second, late ones at once (``frames_late``), latest wins; or, without
         a rate, as fast as the graph takes it: at most ``window`` keyframes are on their way, an
         unacknowledged one is sent again (``frames_resent``), in the end given up (``frames_lost``).
         When mapping or views start again while it plays, so does the source (``replays``).
 Bad     a source that cannot be opened ends the process with code 2; a bad frame is skipped, logged
-        with file and reason and counted (``frames_skipped``).
+        with file and reason and counted (``frames_skipped``; ``tracking_lost`` of those for want
+        of a pose).
 """
 
 import logging
@@ -17,16 +19,21 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+import numpy as np
+
 from sceneq_core.ingest.ingestor import Ingested
+from sceneq_core.ingest.pose_graph import PoseGraphParams
 from sceneq_core.ingest.source import RawFrame, Skipped
 from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
+from sceneq_nodes._epoch import new_epoch
 from sceneq_nodes._images import frame_message
 from sceneq_nodes._ingesting import IngestSpecs, new_ingestor, open_source
 from sceneq_nodes._pacer import Pacer
 from sceneq_nodes._source_control import VERBS, control
 from sceneq_nodes._window import Window
+from sceneq_schemas.correction import PoseCorrection
 from sceneq_schemas.frame import Frame, Pose
-from sceneq_schemas.topics import CONTROL, FRAME, POSE, VIEW_DELTA
+from sceneq_schemas.topics import CONTROL, FRAME, POSE, POSE_CORRECTION, VIEW_DELTA
 from sceneq_schemas.view import ViewDelta
 
 log = logging.getLogger(__name__)
@@ -52,7 +59,8 @@ class IngestParams:
     source: dict[str, Any]
     rate_hz: float | None = None
     keyframes: dict[str, Any] = field(default_factory=lambda: {"kind": "interval"})
-    odometry: dict[str, Any] = field(default_factory=lambda: {"kind": "kiss_icp"})
+    odometry: dict[str, Any] = field(default_factory=lambda: {"kind": "depth_icp"})
+    pose_graph: PoseGraphParams = field(default_factory=PoseGraphParams)
     rgb_codec: str = "raw"
     depth_codec: str = "raw"
     window: int = 2
@@ -95,7 +103,10 @@ class Ingest:
         self._bus = bus
         params = self._params
         self._report("opening")
-        self._specs = IngestSpecs(params.source, params.keyframes, params.odometry)
+        self._epoch, self._corrections = new_epoch(), 0
+        self._specs = IngestSpecs(
+            params.source, params.keyframes, params.odometry, params.pose_graph
+        )
         self._source = open_source(self._specs)
         self._rewind()
         for verb in VERBS:
@@ -167,6 +178,8 @@ class Ingest:
         if isinstance(result, Skipped):
             log.warning("frame %d skipped: %s: %s", result.seq, result.where, result.reason)
             self._bus.count("frames_skipped")
+            if result.where == self._params.odometry["kind"]:
+                self._bus.count("tracking_lost")
         else:
             self._publish(result)
 
@@ -175,6 +188,8 @@ class Ingest:
         is_keyframe = frame.keyframe is not None
         pose = (frame.seq, frame.stamp_ns, frame.T_world_camera, frame.pose_source, is_keyframe)
         self._bus.publish(POSE, Pose(*pose), robot=self._context.robot)
+        if frame.corrected:
+            self._publish_correction(frame)
         if frame.keyframe is not None:
             self._keyframes += 1
             codecs = self._params.rgb_codec, self._params.depth_codec
@@ -183,6 +198,22 @@ class Ingest:
             if self._pacer is None:
                 self._window.sent(message.seq, message, time.monotonic())
         self._report(self._state)
+
+    def _publish_correction(self, frame: Ingested) -> None:
+        """Tell, before the keyframe that showed it, which earlier poses were wrong."""
+        self._corrections += 1
+        correction = PoseCorrection(
+            epoch=self._epoch,
+            seq=self._corrections,
+            full=True,
+            frame_seq=frame.seq,
+            stamp_ns=frame.stamp_ns,
+            keyframe_seq=np.array(list(frame.corrected), np.int64),
+            T_world_camera=np.stack(list(frame.corrected.values())),
+        )
+        self._bus.publish(POSE_CORRECTION, correction, robot=self._context.robot)
+        self._bus.count("corrections")
+        log.info("keyframe %d corrects %d poses", frame.seq, len(frame.corrected))
 
     def _publish_keyframe(self, message: Frame) -> None:
         context = self._context

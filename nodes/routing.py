@@ -4,35 +4,41 @@ Reads   map and view deltas of the scene, descriptors of its encoder's model (st
         healed from snapshots, so a restarted node catches up), and the robot's newest pose.
 Serves  sceneq/query/<scene>/{instances,ask,label,status,labels,last}; asks sceneq/reason/<scene>.
 Rate    queries are answered on a pool from an immutable snapshot in memory; ``step`` swaps it.
+        With ``meanwhile``, answers come from the former encoder until the new one's descriptors
+        cover the map, then all at once from the new one.
 Bad     instances, views and descriptors with impossible numbers are counted, logged and left out;
-        bad requests are answered with ``bad_request``; a missing reasoner with ``fallback``.
+        so are descriptors of another model than their key says; bad requests are answered with
+        ``bad_request``; a missing reasoner with ``fallback``.
 """
 
 import logging
-import math
 import time
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
 
+from sceneq_core.checks import need_within
 from sceneq_core.encoding.encoder import Encoder
 from sceneq_core.mapping.delta import Instance
-from sceneq_core.reasoning.reasoner import Problem, Verdict
 from sceneq_core.routing.labels import LabelSet, custom, named
-from sceneq_core.routing.router import Router, RouterParams
-from sceneq_core.routing.scene import Revision, Scene, ViewRef
+from sceneq_core.routing.router import RouterParams
+from sceneq_core.routing.scene import Revision
 from sceneq_nodes._answer_json import Json
+from sceneq_nodes._asked_reasoner import AskedReasoner
 from sceneq_nodes._backends import build
-from sceneq_nodes._bus import Bus, Context, QueryError, Received
-from sceneq_nodes._calibration import given_calibration
+from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
+from sceneq_nodes._calibration import Calibration, fitting, given_calibration
 from sceneq_nodes._convert import map_delta_from_message
 from sceneq_nodes._follow import Follower
-from sceneq_nodes._front_door import FrontDoor, Look, ReasonerError
+from sceneq_nodes._front_door import FrontDoor
 from sceneq_nodes._new_router import new_router
-from sceneq_nodes._reason_json import problem_bytes, verdict_from_bytes
+from sceneq_nodes._scene_input import is_finite, view_refs
+from sceneq_nodes._space import Space, in_background
 from sceneq_schemas import topics
-from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.feature import FeatureDelta
 from sceneq_schemas.frame import Pose
 from sceneq_schemas.map import MapDelta
@@ -48,6 +54,9 @@ class RoutingParams:
     ``labels`` replaces the named ``label_set``. ``calibration``: path of what ``sceneq calibrate``
     wrote; its temperature and thresholds replace those of encoder and gate. ``reason_timeout_s``:
     how long a question waits for the reasoner before it is answered without.
+
+    ``meanwhile``: the encoder to answer with until ``encoder`` describes the share ``cover`` of the
+    instances that the former can answer with; after that it has no effect.
     """
 
     encoder: dict[str, Any] = field(default_factory=lambda: {"kind": "conse"})
@@ -56,8 +65,11 @@ class RoutingParams:
     router: RouterParams = field(default_factory=RouterParams)
     calibration: str = ""
     reason_timeout_s: float = 10.0
+    meanwhile: dict[str, Any] | None = None
+    cover: float = 0.95
 
     def __post_init__(self) -> None:
+        need_within(self, 0, 1, "cover")
         if not 0 < self.reason_timeout_s <= 600:
             raise ValueError(f"reason_timeout_s: {self.reason_timeout_s} is not in (0, 600]")
 
@@ -81,13 +93,19 @@ class Routing:
         """Know the labels, answer queries, then catch up with the scene."""
         self._bus = bus
         params = self._params
-        self._encoder: Encoder = build("encoder", params.encoder, ("encoder",))
+        encoder: Encoder = build("encoder", params.encoder, ("encoder",))
         calibration = given_calibration(params.calibration)
-        router = new_router(self._encoder, params.chosen_labels(), params.router, calibration)
-        self._model = self._encoder.model_id
-        self._scene = Scene(router.labeller)
-        self._look = Look(self._scene.snapshot(), -math.inf)
-        self._serve(router)
+        self._next: Space | None = None
+        self._coming: Future[Space] | None = None
+        former = build("encoder", params.meanwhile, ("meanwhile",)) if params.meanwhile else encoder
+        if former.model_id == encoder.model_id:
+            self._space = self._new_space(encoder, calibration)
+        else:
+            self._space = self._new_space(former, fitting(calibration, former))
+            if calibration is not None:
+                calibration.of_encoder(encoder)
+            self._coming = in_background(partial(self._new_space, encoder, calibration))
+        self._serve()
         self._follow()
 
     def step(self, received: Received | None) -> None:
@@ -96,9 +114,12 @@ class Routing:
         if received is not None and isinstance(received.message, Pose):
             self._move(received.message)
         elif received is not None:
-            self._followers[received.topic].offer(received.message)
-        for follower in self._followers.values():
+            follower = self._followers.get(_place(received.topic, received.ids.get("model", "")))
+            if follower is not None:  # descriptors of a former encoder may still come
+                follower.offer(received.message)
+        for follower in list(self._followers.values()):
             follower.tick()
+        self._arrive()
 
     def close(self) -> None:
         """Nothing to release."""
@@ -106,87 +127,123 @@ class Routing:
     def _warm_up(self) -> None:
         """Load the text tower before the first question needs it."""
         if not self._warm:
-            self._encoder.encode_texts(["hello"])
+            self._space.warm_up()
             self._warm = True
 
-    def _serve(self, router: Router) -> None:
+    def _arrive(self) -> None:
+        """Let the new encoder's space follow the scene once it is made."""
+        if self._coming is None or not self._coming.done():
+            return
+        coming, self._coming = self._coming, None
+        if (error := coming.exception()) is not None:
+            self._bus.count("encoder_failed")
+            log.error("answers stay with the encoder %s: %s", self._space.model, error)
+            return
+        self._next = new = coming.result()
+        new.take_over(self._space)
+        self._doors[new.model] = self._new_door(new)
+        self._followers[_place(topics.FEATURE_DELTA, new.model)] = self._follower_of(new)
+        self._followers[_place(topics.FEATURE_DELTA, new.model)].open()
+
+    def _spaces(self) -> list[Space]:
+        return [self._space] if self._next is None else [self._space, self._next]
+
+    def _new_space(self, encoder: Encoder, calibration: Calibration | None) -> Space:
+        params = self._params
+        labels = params.chosen_labels()
+        return Space(encoder, new_router(encoder, labels, params.router, calibration))
+
+    def _new_door(self, space: Space) -> FrontDoor:
         scene = self._context.scene
-        door = FrontDoor(scene, router, lambda: self._look, self._reason, self._health)
+        asked = AskedReasoner(self._bus, scene, self._params.reason_timeout_s)
+        return FrontDoor(
+            *(scene, space.router, lambda: space.look, asked.solve, self._health), name=asked.label
+        )
+
+    def _serve(self) -> None:
+        scene = self._context.scene
+        self._doors = {self._space.model: self._new_door(self._space)}
         for topic, handler in (
-            (topics.QUERY_INSTANCES, door.instances),
-            (topics.QUERY_ASK, door.ask),
-            (topics.QUERY_LABEL, door.label),
-            (topics.QUERY_STATUS, door.status),
-            (topics.QUERY_LABELS, door.labels),
-            (topics.QUERY_LAST, door.last),
+            (topics.QUERY_INSTANCES, FrontDoor.instances),
+            (topics.QUERY_ASK, FrontDoor.ask),
+            (topics.QUERY_LABEL, FrontDoor.label),
+            (topics.QUERY_STATUS, FrontDoor.status),
+            (topics.QUERY_LABELS, FrontDoor.labels),
+            (topics.QUERY_LAST, FrontDoor.last),
         ):
-            self._bus.serve(topic, handler, scene=scene)
+            self._bus.serve(topic, partial(self._answer, handler), scene=scene)
+
+    def _answer(
+        self, handler: Callable[[FrontDoor, Request], Reply | None], request: Request
+    ) -> Reply | None:
+        """Answer from one space: a switch while an answer is made does not change it."""
+        return handler(self._doors[self._space.model], request)
 
     def _follow(self) -> None:
         scene, bus = self._context.scene, self._bus
         self._followers = {
-            topics.MAP_DELTA: Follower(
+            _place(topics.MAP_DELTA): Follower(
                 bus, topics.MAP_DELTA, topics.MAP_SNAPSHOT, self._apply_map, scene=scene
             ),
-            topics.VIEW_DELTA: Follower(
+            _place(topics.VIEW_DELTA): Follower(
                 bus, topics.VIEW_DELTA, topics.VIEW_SNAPSHOT, self._apply_views, scene=scene
             ),
-            topics.FEATURE_DELTA: Follower(
-                *(bus, topics.FEATURE_DELTA, topics.FEATURE_SNAPSHOT, self._apply_features),
-                scene=scene,
-                model=self._model,
-            ),
         }
+        place = _place(topics.FEATURE_DELTA, self._space.model)
+        self._followers[place] = self._follower_of(self._space)
         bus.subscribe(topics.POSE, depth=1, robot=self._context.robot)
-        for follower in self._followers.values():
+        for follower in list(self._followers.values()):
             follower.open()
+
+    def _follower_of(self, space: Space) -> Follower:
+        return Follower(
+            *(self._bus, topics.FEATURE_DELTA, topics.FEATURE_SNAPSHOT),
+            partial(self._apply_features, space),
+            scene=self._context.scene,
+            model=space.model,
+        )
 
     def _apply_map(self, message: MapDelta) -> None:
         revision = Revision(message.epoch, message.seq, message.frame_seq, message.stamp_ns)
         delta = map_delta_from_message(message)
         instances = [one for one in delta.instances if self._usable(one)]
-        self._scene.apply_map(revision, instances, delta.up_world, full=delta.full)
+        for space in self._spaces():
+            space.scene.apply_map(revision, instances, delta.up_world, full=delta.full)
         self._swap(time.monotonic())
 
     def _apply_views(self, message: ViewDelta) -> None:
         if not message.map_epoch:
             return  # the views node has started again and knows no map yet
-        views = {
-            view_set.instance_id: tuple(
-                ViewRef(view.seq, tuple(view.box_xyxy.tolist()))
-                for view in view_set.views
-                if np.isfinite(view.box_xyxy).all()
-            )
-            for view_set in message.view_sets
-        }
-        self._scene.apply_views(message.map_epoch, views)
-        self._swap(self._look.map_arrived_s)
+        views = view_refs(message)
+        for space in self._spaces():
+            space.scene.apply_views(message.map_epoch, views)
+        self._swap(self._space.look.map_arrived_s)
 
-    def _apply_features(self, message: FeatureDelta) -> None:
+    def _apply_features(self, space: Space, message: FeatureDelta) -> None:
         if not message.map_epoch:
             return  # the encoding node has started again and knows no views yet
+        if message.model_id != space.model:
+            self._refuse("descriptors_refused", f"{message.model_id} on the key of {space.model}")
+            return
         descriptors = {}
         for one in message.descriptors:
-            if self._scene.accepts(one.descriptor):
+            if space.scene.accepts(one.descriptor):
                 descriptors[one.instance_id] = one.descriptor
             else:
                 self._refuse("descriptors_refused", f"descriptor of instance {one.instance_id}")
-        self._scene.apply_descriptors(message.map_epoch, descriptors, message.removed)
-        self._swap(self._look.map_arrived_s)
+        space.scene.apply_descriptors(message.map_epoch, descriptors, message.removed)
+        self._swap(self._space.look.map_arrived_s)
 
     def _move(self, pose: Pose) -> None:
         position_world = pose.T_world_camera[:3, 3]
         if np.isfinite(position_world).all():
-            self._scene.move_viewpoint(position_world)
-            seen = replace(self._look.snapshot, viewpoint_world=position_world)
-            self._look = replace(self._look, snapshot=seen)
+            for space in self._spaces():
+                space.move(position_world)
         else:
             self._refuse("poses_refused", f"pose of frame {pose.seq} is not finite")
 
     def _usable(self, instance: Instance) -> bool:
-        """JSON has no NaN, and a box without place is no answer."""
-        numbers = (instance.centre_world, instance.aabb_world, instance.T_world_box)
-        usable = all(np.isfinite(n).all() for n in (*numbers, instance.box_size_m))
+        usable = is_finite(instance)
         if not usable:
             self._refuse("instances_refused", f"instance {instance.instance_id} is not finite")
         return usable
@@ -196,36 +253,39 @@ class Routing:
         log.warning("%s: %s", counter, what)
 
     def _swap(self, map_arrived_s: float) -> None:
-        snapshot = self._scene.snapshot()
-        self._look = Look(snapshot, map_arrived_s)
+        for space in self._spaces():
+            space.swap(map_arrived_s)
+        self._switch()
+        snapshot = self._space.look.snapshot
         self._bus.report(
             instances=snapshot.instance_count,
             answerable=len(snapshot),
             map_seq=snapshot.revision.seq,
         )
 
-    def _reason(self, problem: Problem) -> Verdict:
-        """Ask the reasoning node; raise ``ReasonerError`` when no usable verdict comes."""
-        try:
-            replies = self._bus.ask(
-                topics.REASON,
-                payload=problem_bytes(problem),
-                timeout_s=self._params.reason_timeout_s,
-                scene=self._context.scene,
-            )
-            if replies:
-                return verdict_from_bytes(replies[0].payload)
-        except (QueryError, DecodeError) as error:
-            self._bus.count("reasoner_failed")
-            raise ReasonerError(f"the reasoner failed: {error}") from error
-        self._bus.count("reasoner_missing")
-        raise ReasonerError("no reasoner answered")
+    def _switch(self) -> None:
+        """Leave the former encoder as soon as the new one covers what it covers."""
+        former, new = self._space, self._next
+        if new is None or former.share_in(new) < max(self._params.cover, 1e-9):
+            return
+        self._space, self._next = new, None
+        del self._followers[_place(topics.FEATURE_DELTA, former.model)]
+        self._bus.count("encoder_switches")
+        log.warning("answers come from the encoder %s now, not %s", new.model, former.model)
 
     def _health(self) -> Json:
+        space, new = self._space, self._next
+        covered = round(space.share_in(new), 3) if new else 0.0
         return {
             "robot": self._context.robot,
             "sensor": self._context.sensor,
-            "model": self._model,
+            "model": space.model,
             "alive": sorted(self._bus.alive()),
-            "synced": {t.name: f.synced for t, f in self._followers.items()},
+            "synced": {name: f.synced for (name, _), f in list(self._followers.items())},
+            **({"next_covers": covered} if new or self._coming else {}),
         }
+
+
+def _place(topic: topics.Topic, model: str = "") -> tuple[str, str]:
+    """Return where the follower of a topic is found: descriptors have one for each model."""
+    return topic.name, model

@@ -7,8 +7,8 @@ Writes  one view delta per keyframe looked at, also when no view set changed: it
 Serves  sceneq/view/<scene>/@snapshot/v1 and @image/v1 (JPEG of a keyframe, ``?seq=``, ``;box=``).
 Rate    as the map changes, about 3 Hz; STATE delivery, gaps are healed from the snapshot.
 Bad     frames that the map never takes in are let go (``frames_unmatched``), frames that do not
-        decode are acknowledged and skipped (``frames_bad``), a delta that contradicts the map too
-        (``map_delta_bad``); each is logged.
+        decode are acknowledged and skipped (``frames_bad``), like those that the map keeps out
+        (``frames_kept_out``); a delta that contradicts the map too (``map_delta_bad``).
 """
 
 import logging
@@ -74,6 +74,7 @@ class Views:
         self._waiting: dict[int, Frame] = {}
         self._observed: deque[tuple[int, int]] = deque(maxlen=REMEMBERED)
         self._mapped: deque[int] = deque(maxlen=REMEMBERED)
+        self._quarantined: deque[int] = deque(maxlen=REMEMBERED)
         self._newest = (-1, 0)
 
     def open(self, bus: Bus) -> None:
@@ -116,6 +117,8 @@ class Views:
         if delta.epoch != self._map.epoch:
             self._mapped.clear()
             self._observed.clear()  # to be acknowledged only when the new map holds them
+        if delta.quarantined:
+            self._quarantined.append(delta.frame_seq)
         several = delta.full and delta.seq > 1
         older = [seq for seq in self._waiting if several and seq < delta.frame_seq]
         self._mapped.extend((*older, delta.frame_seq))
@@ -141,6 +144,15 @@ class Views:
             self._observe(self._waiting.pop(seq))
 
     def _observe(self, message: Frame) -> None:
+        if message.seq in self._quarantined:
+            self._bus.count("frames_kept_out")
+        else:
+            self._look(message)
+        self._newest = (message.seq, message.stamp_ns)
+        self._observed.append(self._newest)
+        self._publish_changes(always=True)
+
+    def _look(self, message: Frame) -> None:
         try:
             self._selector.see(frame_from_message(message))
         except DecodeError as error:
@@ -148,9 +160,6 @@ class Views:
             log.warning("frame %d: skipped, %s", message.seq, error)
         else:
             self._bus.count("frames_observed")
-        self._newest = (message.seq, message.stamp_ns)
-        self._observed.append(self._newest)
-        self._publish_changes(always=True)
 
     def _publish_changes(self, always: bool = False) -> None:
         changed = [view_set_message(view_set) for view_set in self._selector.changes()]

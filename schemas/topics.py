@@ -4,10 +4,12 @@ import re
 from dataclasses import dataclass
 from enum import Enum
 
+from sceneq_schemas.correction import PoseCorrection
 from sceneq_schemas.feature import FeatureDelta
 from sceneq_schemas.frame import Frame, Pose
 from sceneq_schemas.map import MapDelta
 from sceneq_schemas.mask import Masks
+from sceneq_schemas.proposal import ProposalSet
 from sceneq_schemas.view import ViewDelta
 
 ID = re.compile(r"[a-z0-9_-]+")
@@ -99,7 +101,13 @@ _L, _S, _Q, _B = Delivery.LATEST, Delivery.STATE, Delivery.QUERY, Delivery.BACKG
 
 FRAME = Topic("frame", "sceneq/frame/{robot}/{sensor}/v1", "ingest", _L, 3, 32 * MIB, Frame)
 POSE = Topic("pose", "sceneq/pose/{robot}/v1", "ingest", _L, 30, 4096, Pose)
+POSE_CORRECTION = Topic(
+    "correction", "sceneq/pose/{robot}/correction/v1", "ingest", _S, 0.1, 16 * MIB, PoseCorrection
+)
 MASK = Topic("mask", "sceneq/mask/{scene}/v1", "segmentation", _L, 3, 32 * MIB, Masks)
+PROPOSAL = Topic(
+    "proposal", "sceneq/proposal/{scene}/v1", "a 3D network", _L, 0.1, 64 * MIB, ProposalSet
+)
 MAP_DELTA = Topic("map_delta", "sceneq/map/{scene}/delta/v1", "mapping", _S, 3, 64 * MIB, MapDelta)
 MAP_SNAPSHOT = Topic(
     "map_snapshot", "sceneq/map/{scene}/@snapshot/v1", "mapping", _Q, 0, 256 * MIB, MapDelta
@@ -146,7 +154,9 @@ LIVE = Topic("live", "sceneq/@live/{node}/{id}", "every node", Delivery.LIVELINE
 TOPICS = (
     FRAME,
     POSE,
+    POSE_CORRECTION,
     MASK,
+    PROPOSAL,
     MAP_DELTA,
     MAP_SNAPSHOT,
     VIEW_DELTA,

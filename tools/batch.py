@@ -5,18 +5,25 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from sceneq_core.arrays import Float64
-from sceneq_core.ingest.trajectory import color_trajectory, trajectory_report
+from sceneq_core.ingest.trajectory import (
+    color_trajectory,
+    corrected_trajectory,
+    trajectory_report,
+)
 from sceneq_nodes._backends import build, load
 from sceneq_nodes._bus import Bus, Context, Node, QueryError, Received, Reply
 from sceneq_nodes._params import ParamError, validate
-from sceneq_schemas.topics import POSE, Topic
+from sceneq_schemas.topics import POSE, POSE_CORRECTION, Topic
 from sceneq_tools.errors import UserError
 from sceneq_tools.graph_plan import Plan
 from sceneq_tools.local_bus import LocalHub
 
 POSES = "poses"
 INGEST, ENCODING = "ingest", "encoding"
-TROUBLES = ("skipped", "refused", "unmatched", "lost", "bad", "missing", "failed", "gone")
+TROUBLES = (
+    *("skipped", "refused", "unmatched", "lost", "bad", "missing", "failed", "gone"),
+    "quarantined",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +36,7 @@ class Stage:
 
 
 class PoseLog:
-    """Keeps the pose of every frame."""
+    """Keeps the pose of every frame, and what corrections say of keyframes."""
 
     Params: ClassVar[type] = object
     idle_s: ClassVar[float] = 1.0
@@ -37,15 +44,30 @@ class PoseLog:
     def __init__(self, params: Any, context: Context) -> None:
         self._context = context
         self.poses: list[tuple[int, Float64]] = []
+        self._keyframes: list[int] = []
+        self._corrected: dict[int, Float64] = {}
 
     def open(self, bus: Bus) -> None:
-        """Listen to poses."""
+        """Listen to poses and their corrections."""
         bus.subscribe(POSE, depth=1, robot=self._context.robot)
+        bus.subscribe(POSE_CORRECTION, depth=1, robot=self._context.robot)
 
     def step(self, received: Received | None) -> None:
-        """Keep a pose."""
-        if received is not None:
-            self.poses.append((received.message.seq, received.message.T_world_camera))
+        """Keep a pose, or what is known better of older ones."""
+        if received is None:
+            return
+        message = received.message
+        if received.topic is POSE_CORRECTION:
+            poses = zip(message.keyframe_seq.tolist(), message.T_world_camera, strict=True)
+            self._corrected.update(poses)
+            return
+        self.poses.append((message.seq, message.T_world_camera))
+        if message.keyframe:
+            self._keyframes.append(message.seq)
+
+    def corrected(self) -> list[tuple[int, Float64]]:
+        """Return the poses as they are known by now."""
+        return corrected_trajectory(self.poses, self._keyframes, self._corrected)
 
     def close(self) -> None:
         """Nothing to release."""
@@ -54,11 +76,13 @@ class PoseLog:
 class Batch:
     """The nodes of ``plan`` on one hub, from the source to answerable instances.
 
+    ``listeners`` are further nodes, by name, that hear everything from the first message on.
+
     Raises:
         UserError: a node that cannot start with its parameters.
     """
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, listeners: Mapping[str, Node] | None = None) -> None:
         self.scene = plan.scene
         self._plan = plan
         self._hub = LocalHub()
@@ -68,7 +92,8 @@ class Batch:
             raise UserError("the graph has no ingest node to read the recording", 2)
         self._ingest, self._encoding = kinds[INGEST], kinds.get(ENCODING)
         self._pose_log = PoseLog(None, self._context(POSES))
-        self._hub.add(self._pose_log, self._context(POSES))
+        for name, listener in {POSES: self._pose_log, **(listeners or {})}.items():
+            self._hub.add(listener, self._context(name))
         # Readers first, so that nobody misses the first message.
         for node in sorted(plan.nodes, key=lambda node: node.id == self._ingest):
             self._open(node.id, node.node_kind, node.params)
@@ -99,7 +124,7 @@ class Batch:
         """Return one line that compares the poses used with those the source gives."""
         source = build("source", {**self._params[self._ingest]["source"], "use_poses": True})
         try:
-            report = trajectory_report(self._pose_log.poses, color_trajectory(source))
+            report = trajectory_report(self._pose_log.corrected(), color_trajectory(source))
         except ValueError as error:
             raise UserError(f"--report: {error}") from error
         return (

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def run(
     stage: Annotated[
         list[str] | None,
-        typer.Argument(metavar="STAGE", help="Default: codec, bus, render, stages, query."),
+        typer.Argument(metavar="STAGE", help="Default: codec, bus, render, stages, laps, query."),
     ] = None,
     source: Annotated[
         Path | None, typer.Option(help="Folder of frames for stages and query; default: sample.")

@@ -9,7 +9,7 @@ import typer
 
 COMMANDS = (
     *("up", "ask", "status", "view", "viewer", "check", "map", "export", "demo"),
-    *("schema", "doctor", "bench", "synth", "calibrate"),
+    *("schema", "doctor", "bench", "synth", "calibrate", "train-probe"),
 )
 GROUPS = ("sim", "eval")
 USAGE = 2
@@ -69,7 +69,7 @@ def _fail(message: str, code: int) -> None:
 
 def _register() -> None:
     for name in COMMANDS:
-        module = f"sceneq_tools.{name}_command"
+        module = f"sceneq_tools.{name.replace('-', '_')}_command"
         if find_spec(module) is not None:
             app.command(name)(import_module(module).run)
     for name in GROUPS:

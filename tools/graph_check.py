@@ -16,7 +16,8 @@ from sceneq_tools.graph_problem import ABSENT, GraphError, Problem
 MISSING = "missing key"
 OWN_CHECK = re.compile(r"Value error, (?:(?P<field>\w+): )?(?P<text>.*)", re.DOTALL)
 """How pydantic tells what ``__post_init__`` said; ours name the field and the value."""
-SEAMS = BACKENDS.keys() - {"nodes"}
+SEAMS = {name: name for name in BACKENDS if name != "nodes"} | {"meanwhile": "encoder"}
+"""Parameter -> the seam whose ``{kind: ...}`` it holds."""
 
 
 def check_nodes(graph: Graph, document: Document) -> None:
@@ -60,7 +61,7 @@ def _inner_errors(
         return
     group = get_type_hints(params_class).get(name)
     if name in SEAMS:
-        yield from _errors(partial(check_backend, name, path=path), value, path, set())
+        yield from _errors(partial(check_backend, SEAMS[name], path=path), value, path, set())
     elif isinstance(group, type) and is_dataclass(group):
         yield from _params_errors(group, value, path)
 

@@ -19,6 +19,10 @@ MapStep = Annotated[
     typer.Option(min=1, help="Put every Nth frame into the map; default: as the graph says."),
 ]
 
+ProposalFile = Annotated[
+    Path | None, typer.Option(help="3D masks in place of our own: .npz (docs/proposals.md).")
+]
+
 
 def run(
     source: Annotated[Path, typer.Argument(help="Frames, or a ScanNet, Replica or TUM folder.")],
@@ -30,6 +34,7 @@ def run(
     step: MapStep = None,
     no_poses: NoPoses = False,
     segmenter: Segmenter = None,
+    proposals: ProposalFile = None,
     rrd: Rrd = False,
     report: Annotated[
         bool, typer.Option("--report", help="Compare estimated with given poses.")
@@ -40,7 +45,7 @@ def run(
     from sceneq_tools.batch import Batch
     from sceneq_tools.collect import collect
 
-    batch = Batch(_plan(graph, source, scene, step, no_poses, segmenter))
+    batch = Batch(_plan(graph, source, scene, step, no_poses, segmenter, proposals))
     try:
         _show_progress(batch, quiet)
         write_all(collect(batch.get, batch.scene), out, rrd)
@@ -59,6 +64,7 @@ def _plan(
     step: int | None,
     no_poses: bool,
     segmenter: str | None,
+    proposals: Path | None,
 ) -> "Plan":
     from sceneq_tools.graph import Override, default_path, load
     from sceneq_tools.graph_check import check_nodes
@@ -69,6 +75,9 @@ def _plan(
     if step is not None:
         every = {"kind": "every", "every": step}
         overrides.append(Override("ingest", ("keyframes",), every, "--step"))
+    if proposals is not None:
+        masks = {"kind": "file", "path": str(proposals.resolve())}
+        overrides.append(Override("mapping", ("proposals",), masks, "--proposals"))
     loaded, document = load(graph or default_path(), overrides)
     check_nodes(loaded, document)
     return plan(loaded, document, "local")

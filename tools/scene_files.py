@@ -1,7 +1,7 @@
 """What `sceneq map` and `sceneq export` leave on disk."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from sceneq_core.arrays import Float32, Int32, UInt8
+from sceneq_core.mapping.delta import OBJECT
 from sceneq_core.mapping.digest import map_digest
 from sceneq_core.mapping.replica import MapReplica
 from sceneq_core.picture import instance_colours
@@ -89,9 +90,10 @@ class SceneFiles:
         return Cloud(*replica.cloud(), replica.voxel_size_m, replica.up_world)
 
     def document(self, cloud: Cloud) -> dict[str, Any]:
-        """Return what instances.json holds: a summary and the instances."""
+        """Return what instances.json holds: a summary, the scene graph and the instances."""
         return {
             **self._summary(cloud.points_world, cloud.instance_id),
+            "scene_graph": scene_graph(self.instances),
             "instances": list(self.instances),
         }
 
@@ -108,6 +110,26 @@ class SceneFiles:
             "instance_count": len(np.unique(instance_id[instance_id > 0])),
             "digest": map_digest(coord, points_world, instance_id),
         }
+
+
+def scene_graph(records: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return an overview of what the records say about each other, by instance ids.
+
+    ``structure`` lists the parts of the building by role, ``carries`` and ``contains`` what is on
+    and in an instance, ``unsupported`` the objects of which it is not known what carries them.
+    """
+    graph: dict[str, Any] = {"structure": {}, "carries": {}, "contains": {}, "unsupported": []}
+    for record in records:
+        number, role = record["id"], record.get("role", OBJECT)
+        if role != OBJECT:
+            graph["structure"].setdefault(role, []).append(number)
+        elif record.get("supported_by"):
+            graph["carries"].setdefault(str(record["supported_by"]), []).append(number)
+        else:
+            graph["unsupported"].append(number)
+        if record.get("inside"):
+            graph["contains"].setdefault(str(record["inside"]), []).append(number)
+    return graph
 
 
 def read_scene(folder: Path) -> tuple[Cloud, dict[str, Any]]:

@@ -9,7 +9,8 @@ import numpy as np
 from sceneq_core.arrays import Float32, UInt8
 from sceneq_core.encoding.colour import colour_shares, split_colours
 from sceneq_core.encoding.encoder import Crop
-from sceneq_core.encoding.joint import DIM, image_vector, text_vector
+from sceneq_core.encoding.joint import CLASSES, dimensions, image_vector, text_vector
+from sceneq_core.encoding.probe import Probe
 
 Classify = Callable[[Float32], tuple[Float32, Float32]]
 """(1, 3, side, side) scaled image -> logits (1000,), pooled feature (F,)."""
@@ -28,39 +29,45 @@ class Conse:
         self,
         classify: Classify,
         embed: Embed,
-        class_vectors: Callable[[], Float32],
+        name_vectors: Callable[[], Float32],
         prior: Float32,
+        probe: Probe,
         side_px: int,
         text_cache: int,
     ) -> None:
         self._classify = classify
         self._embed = embed
-        self._class_vectors = class_vectors
+        self._name_vectors = name_vectors
         self._prior = prior
+        self._probe = probe
+        self.dim = dimensions(len(probe))
         self._side_px = side_px
         self._text = lru_cache(maxsize=text_cache)(self._encode_text)
 
     def encode_crops(self, crops: Sequence[Crop]) -> tuple[Float32, Float32]:
-        """Return descriptors (N, 1012), L2-normalised, and the classifier's features (N, F)."""
+        """Return descriptors (N, dim), L2-normalised, and the classifier's features (N, F)."""
         pairs = [self._encode_crop(crop) for crop in crops]
         if not pairs:
-            return np.zeros((0, DIM), np.float32), np.zeros((0, 0), np.float32)
+            return np.zeros((0, self.dim), np.float32), np.zeros((0, 0), np.float32)
         descriptors, features = zip(*pairs, strict=True)
         return np.stack(descriptors), np.stack(features)
 
     def encode_texts(self, texts: Sequence[str]) -> Float32:
-        """Return (N, 1012), L2-normalised."""
+        """Return (N, dim), L2-normalised."""
         if not texts:
-            return np.zeros((0, DIM), np.float32)
+            return np.zeros((0, self.dim), np.float32)
         return np.stack([self._text(text) for text in texts])
 
     def _encode_crop(self, crop: Crop) -> tuple[Float32, Float32]:
         logits, feature = self._classify(classifier_input(crop.rgb, self._side_px))
-        return image_vector(logits, self._prior, colour_shares(crop.rgb, crop.mask)), feature
+        probed, shares = self._probe.probabilities(feature), colour_shares(crop.rgb, crop.mask)
+        return image_vector(logits, self._prior, probed, shares), feature
 
     def _encode_text(self, text: str) -> Float32:
         rest, colours = split_colours(text)
-        similarity = self._class_vectors() @ self._embed(rest) if rest else None
+        similarity = np.zeros(CLASSES + len(self._probe), np.float32)
+        if rest:
+            similarity = self._name_vectors() @ self._embed(rest)
         return text_vector(similarity, colours)
 
 

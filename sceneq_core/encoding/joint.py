@@ -2,9 +2,10 @@
 
 Convex combination of class names (ConSE: M. Norouzi et al., ICLR 2014, doi
 10.48550/arXiv.1312.5650), scored on the side of the classes (SynC: S. Changpinyo et al., CVPR
-2016, doi 10.1109/CVPR.2016.575). A vector has three parts:
+2016, doi 10.1109/CVPR.2016.575). A vector has four parts:
 
     1000 classes    how much more this class shows than in any crop | how much the text means it
+    H names         square roots of what a probe says, H may be 0   | the same
     1 unfamiliar    always 0                                        | what no class can say
     11 colours      square roots of the shares of colour            | the colours named
 
@@ -19,34 +20,45 @@ from sceneq_core.encoding.colour import COLOUR_TERMS
 
 CLASSES = 1000
 COLOURS = len(COLOUR_TERMS)
-DIM = CLASSES + 1 + COLOURS
 
 COLOUR_PART = 0.2
 """Length of the colour part of an image vector of length 1. With the temperature of the conse
 encoder, softmax over the terms then follows the measured shares about as firmly as its square."""
+PROBE_PART = 0.85
+"""Length of the probe's part beside the classes' of sqrt(1 - PROBE_PART^2)."""
 CLASS_SHARPNESS = 0.05
 """Temperature of softmax(cosine(text, class names)): a few close names speak for a text."""
 
 
-def image_vector(logits: Float32, prior: Float32, shares: Float32) -> Float32:
-    """Return the vector (DIM,) of a crop, length 1.
+def dimensions(names: int) -> int:
+    """Return the length of vectors with a probe of so many names."""
+    return CLASSES + names + 1 + COLOURS
+
+
+def image_vector(logits: Float32, prior: Float32, probed: Float32, shares: Float32) -> Float32:
+    """Return the vector of a crop, length 1.
 
     ``logits`` (1000,) of the classifier; ``prior`` (1000,) their mean over many crops, so that
-    classes that fit any blurred crop say nothing; ``shares`` (11,) of colour.
+    classes that fit any blurred crop say nothing; ``probed`` (H,) probabilities of the probe's
+    names; ``shares`` (11,) of colour.
     """
     surprise = logits - prior
-    classes = unit(surprise - surprise.mean()) * np.sqrt(1 - COLOUR_PART**2)
+    probe_part = PROBE_PART if len(probed) else 0.0
+    classes = unit(surprise - surprise.mean()) * np.sqrt(1 - probe_part**2)
+    meant = np.concatenate([classes, np.sqrt(probed) * probe_part]) * np.sqrt(1 - COLOUR_PART**2)
     colours = np.sqrt(shares) * COLOUR_PART
-    return unit(np.concatenate([classes, np.zeros(1, np.float32), colours]))
+    return unit(np.concatenate([meant, np.zeros(1, np.float32), colours]))
 
 
-def text_vector(similarity: Float32 | None, shares: Float32) -> Float32:
-    """Return the vector (DIM,) of a text, length 1.
+def text_vector(similarity: Float32, shares: Float32) -> Float32:
+    """Return the vector of a text, length 1.
 
-    ``similarity`` (1000,) cosines of the text without its colour words with the class names,
-    ``None`` when nothing is left of it; ``shares`` (11,) of the colours named, zero if none.
+    ``similarity`` (1000 + H,) cosines of the text without its colour words with the names of
+    classes and probe, all 0 when nothing is left of it; ``shares`` (11,) of the colours named,
+    zero if none.
     """
-    meaning = _meaning(similarity) if similarity is not None else _nothing(bool(shares.any()))
+    has_words, has_colour = bool(similarity.any()), bool(shares.any())
+    meaning = _meaning(similarity) if has_words else _nothing(len(similarity), has_colour)
     return unit(np.concatenate([meaning, np.sqrt(shares)]))
 
 
@@ -57,7 +69,7 @@ def unit(vector: Float32) -> Float32:
 
 
 def _meaning(similarity: Float32) -> Float32:
-    """Return (1001,): the classes a text means and how little they say about it, length 1.
+    """Return (1001 + H,): the names a text means and how little they say about it, length 1.
 
     The length of the class part is the square root of the softmax's length: a compromise between
     no trust in diffuse texts (its length) and full trust (1) that ranks best.
@@ -69,8 +81,8 @@ def _meaning(similarity: Float32) -> Float32:
     return np.append(classes, np.sqrt(max(0.0, 1 - length))).astype(np.float32)
 
 
-def _nothing(has_colour: bool) -> Float32:
-    """A mere colour leaves the classes open; an empty text means nothing an image shows."""
-    meaning = np.zeros(CLASSES + 1, np.float32)
-    meaning[CLASSES] = 0.0 if has_colour else 1.0
+def _nothing(names: int, has_colour: bool) -> Float32:
+    """A mere colour leaves the names open; an empty text means nothing an image shows."""
+    meaning = np.zeros(names + 1, np.float32)
+    meaning[names] = 0.0 if has_colour else 1.0
     return meaning

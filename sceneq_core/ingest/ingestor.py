@@ -1,12 +1,15 @@
 """From source frames to posed keyframes in one camera."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 from sceneq_core.arrays import Float64
 from sceneq_core.frame import Frame, depth_from_mm
 from sceneq_core.ingest.keyframes import KeyframePolicy
 from sceneq_core.ingest.odometry import Odometry
+from sceneq_core.ingest.pose_graph import PoseGraph
 from sceneq_core.ingest.registration import DepthRegistration
+from sceneq_core.ingest.shading import Shading, shading
 from sceneq_core.ingest.source import RawFrame, Skipped, Source
 from sceneq_core.ingest.transforms import inverse, nearest_rigid, rigid_defect
 
@@ -19,6 +22,8 @@ class Ingested:
 
     ``T_world_camera`` (4, 4) is the pose of the COLOUR camera, ``pose_source`` is ``given`` or
     the kind of the odometry, ``keyframe`` is ``None`` for a frame that stays out of the map.
+    ``corrected`` are all poses (of the colour camera, by seq) that differ from those ingested
+    before, when this keyframe brought news of them, else empty.
     """
 
     seq: int
@@ -26,6 +31,7 @@ class Ingested:
     T_world_camera: Float64
     pose_source: str
     keyframe: Frame | None
+    corrected: Mapping[int, Float64] = field(default_factory=dict)
 
 
 class Ingestor:
@@ -35,40 +41,69 @@ class Ingestor:
     """
 
     def __init__(
-        self, source: Source, keyframes: KeyframePolicy, odometry: Odometry | None = None
+        self,
+        source: Source,
+        keyframes: KeyframePolicy,
+        odometry: Odometry | None = None,
+        graph: PoseGraph | None = None,
     ) -> None:
-        """Take the cameras of ``source``; raise ``ValueError`` when nothing gives it poses."""
+        """Take the cameras of ``source``; ``graph`` keeps what ``odometry`` says from drifting.
+
+        Raises:
+            ValueError: nothing gives poses.
+        """
         if odometry is None and not source.has_poses:
             raise ValueError(f"{source.name} has no poses: it needs an odometry")
         self._color_camera = source.color_camera
         self._depth_camera = source.depth_camera
+        self._T_color_depth = source.T_color_depth
         self._T_depth_color = inverse(source.T_color_depth)
         self._registration = DepthRegistration(
             source.depth_camera, source.color_camera, source.T_color_depth
         )
         self._keyframes = keyframes
-        self._odometry = odometry
-        self._pose_source = odometry.kind if odometry else GIVEN
+        self._odometry, self._graph = odometry, graph
 
     def ingest(self, raw: RawFrame) -> Ingested | Skipped:
         """Take the next frame; ``Skipped`` when its pose or a needed image is unusable."""
-        T_world_depth = self._register(self._odometry, raw) if self._odometry else _given(raw)
+        if self._odometry is not None:
+            return self._estimate(self._odometry, raw)
+        T_world_depth = _given(raw)
         if isinstance(T_world_depth, Skipped):
             return T_world_depth
         T_world_camera = T_world_depth @ self._T_depth_color
         keyframe = self._keyframe(raw, T_world_camera)
         if isinstance(keyframe, Skipped):
             return keyframe
-        return Ingested(raw.seq, raw.stamp_ns, T_world_camera, self._pose_source, keyframe)
+        return Ingested(raw.seq, raw.stamp_ns, T_world_camera, GIVEN, keyframe)
 
-    def _register(self, odometry: Odometry, raw: RawFrame) -> Float64 | Skipped:
+    def _estimate(self, odometry: Odometry, raw: RawFrame) -> Ingested | Skipped:
+        """Take a frame whose pose odometry has to find; the graph corrects it, and older ones."""
         depth_mm = raw.read_depth_mm()
         if isinstance(depth_mm, Skipped):
             return depth_mm
-        T_world_depth = odometry.register(depth_mm, self._depth_camera.K, raw.stamp_ns)
-        if T_world_depth is None:
-            return Skipped(raw.seq, odometry.kind, "no pose: too little depth")
-        return T_world_depth
+        K, shading = self._depth_camera.K, self._shading(raw)
+        T_odometry = odometry.register(depth_mm, K, raw.stamp_ns, shading)
+        if T_odometry is None:
+            return Skipped(raw.seq, odometry.kind, "no pose: tracking lost, or too little depth")
+        graph = self._graph
+        T_world_depth = T_odometry if graph is None else graph.pose(T_odometry)
+        keyframe = self._keyframe(raw, T_world_depth @ self._T_depth_color)
+        if isinstance(keyframe, Skipped):
+            return keyframe
+        corrected = {}
+        if keyframe is not None and graph is not None:
+            T_world_depth = graph.add(raw.seq, T_odometry, depth_mm, K, shading)
+            corrected = {seq: T @ self._T_depth_color for seq, T in graph.corrections().items()}
+            keyframe = replace(keyframe, T_world_camera=T_world_depth @ self._T_depth_color)
+        pose = T_world_depth @ self._T_depth_color
+        return Ingested(raw.seq, raw.stamp_ns, pose, odometry.kind, keyframe, corrected)
+
+    def _shading(self, raw: RawFrame) -> Shading | None:
+        rgb = raw.read_rgb()
+        if isinstance(rgb, Skipped):
+            return None
+        return shading(rgb, self._color_camera, self._T_color_depth)
 
     def _keyframe(self, raw: RawFrame, T_world_camera: Float64) -> Frame | Skipped | None:
         if not self._keyframes.is_due(T_world_camera, raw.stamp_ns):

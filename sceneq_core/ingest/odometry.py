@@ -8,6 +8,7 @@ import numpy as np
 from sceneq_core.arrays import Float64, UInt16
 from sceneq_core.checks import need_positive
 from sceneq_core.depth import pixel_rays
+from sceneq_core.ingest.shading import Shading
 from sceneq_core.ingest.transforms import nearest_rigid
 
 
@@ -19,8 +20,13 @@ class Odometry(Protocol):
 
     kind: str
 
-    def register(self, depth_mm: UInt16, K: Float64, stamp_ns: int) -> Float64 | None:
-        """Return T_world_camera (4, 4) of the next depth image, ``None`` when it cannot tell."""
+    def register(
+        self, depth_mm: UInt16, K: Float64, stamp_ns: int, shading: Shading | None = None
+    ) -> Float64 | None:
+        """Return T_world_camera (4, 4) of the next depth image, ``None`` when it cannot tell.
+
+        ``shading`` is that of the picture taken at the same time.
+        """
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +62,9 @@ class KissIcpOdometry:
         self._icp = _kiss_icp(params)
         self._rays = _Rays(params.stride)
 
-    def register(self, depth_mm: UInt16, K: Float64, stamp_ns: int) -> Float64 | None:
+    def register(
+        self, depth_mm: UInt16, K: Float64, stamp_ns: int, shading: Shading | None = None
+    ) -> Float64 | None:
         """Return T_world_camera (4, 4) of the depth camera; ``None`` with too little depth.
 
         Depth images are taken as equally spaced in time: KISS-ICP predicts a constant motion per

@@ -1,6 +1,6 @@
 """How well an estimated trajectory fits the given one."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +34,22 @@ def trajectory_report(estimated: Trajectory, given: Trajectory) -> TrajectoryRep
     found, true = (_positions(poses) for poses in zip(*pairs, strict=True))
     steps = np.linalg.norm(np.diff(true, axis=0), axis=1)
     return TrajectoryReport(position_rmse_m(found, true), float(steps.sum()), len(pairs))
+
+
+def corrected_trajectory(
+    trajectory: Trajectory, keyframe_seq: Sequence[int], corrected: Mapping[int, Float64]
+) -> list[tuple[int, Float64]]:
+    """Return ``trajectory`` with the ``corrected`` poses of its keyframes.
+
+    Between two keyframes the camera moves along with the earlier one. Frames are in order.
+    """
+    keyframes = set(keyframe_seq)
+    T_new_old, result = np.eye(4), []
+    for seq, T_world_camera in trajectory:
+        if seq in keyframes:
+            T_new_old = corrected.get(seq, T_world_camera) @ inverse(T_world_camera)
+        result.append((seq, T_new_old @ T_world_camera))
+    return result
 
 
 def color_trajectory(source: Source) -> list[tuple[int, Float64]]:

@@ -59,3 +59,14 @@ def angle_deg(T_a: Float64, T_b: Float64) -> float:
     axis = (R_a_b[2, 1] - R_a_b[1, 2], R_a_b[0, 2] - R_a_b[2, 0], R_a_b[1, 0] - R_a_b[0, 1])
     # The arc tangent stays exact near 0 degrees, where the arc cosine of the trace does not.
     return float(np.degrees(np.arctan2(np.linalg.norm(axis), np.trace(R_a_b) - 1.0)))
+
+
+def rotation_of(vector: Float64) -> Float64:
+    """Return the rotation (3, 3) about ``vector`` (3,) by its length, radians."""
+    angle = float(np.linalg.norm(vector))
+    x, y, z = vector
+    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    # sin(x) / x and (1 - cos x) / x^2, which are 1 and 1/2 at 0.
+    first, second = np.sinc(angle / np.pi), 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
+    rotation: Float64 = np.eye(3) + first * skew + second * (skew @ skew)
+    return rotation

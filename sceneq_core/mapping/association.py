@@ -1,85 +1,55 @@
 """Which superpoints form one object: agreement of the 2D segments over the keyframes."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import numpy as np
 
-from sceneq_core.arrays import Array, Bool, Float64, Int32, Int64
-from sceneq_core.checks import need_at_least, need_between
-from sceneq_core.mapping.evidence import NO_SEGMENT, Evidence, agreement
+from sceneq_core.arrays import Array, Bool, Int32, Int64
+from sceneq_core.mapping.agreement import expected_agreement
+from sceneq_core.mapping.association_params import AssociationParams
+from sceneq_core.mapping.consolidation import consolidated
+from sceneq_core.mapping.coverage import Coverage
+from sceneq_core.mapping.detachment import ATTACHED, detached_parts
+from sceneq_core.mapping.evidence import NO_SEGMENT, Evidence
+from sceneq_core.mapping.group_change import NO_GROUP, Changes, GroupChange
 from sceneq_core.mapping.ids import Ids
-from sceneq_core.mapping.rows import first_of_each, with_rows
+from sceneq_core.mapping.mask_segments import NO_MASK, MaskSegments
+from sceneq_core.mapping.merging import Pairs, merging_pairs
+from sceneq_core.mapping.rows import with_rows
 from sceneq_core.mapping.superpoints import SuperpointChange
 from sceneq_core.mapping.visibility import Visible
 
-NO_GROUP = -1
+_MANY_SEGMENTS = 1 << 16
+"""Segments, about an hour of keyframes, from which those without evidence lose their numbers."""
 
-
-@dataclass(frozen=True, slots=True)
-class AssociationParams:
-    """When superpoints belong together.
-
-    ``views`` keyframes of evidence are kept per superpoint and per group; ``min_agreement`` (see
-    ``agreement``) is needed to join a group, and ``hold`` is the hysteresis in favour of the
-    present one; two groups merge from ``merge_agreement`` over ``min_common_views``; a group is
-    seen in a keyframe, and founded, with at least ``min_pixels`` surface points.
-    """
-
-    views: int = 32
-    min_agreement: float = 0.5
-    hold: float = 0.1
-    merge_agreement: float = 0.6
-    min_common_views: int = 2
-    min_pixels: int = 10
-
-    def __post_init__(self) -> None:
-        need_at_least(self, 1, "views", "min_common_views", "min_pixels")
-        need_between(self, 0, 1, "min_agreement")
-        if not 0.0 <= self.hold < self.min_agreement:
-            raise ValueError(f"hold: must be at least 0, below min_agreement, got {self.hold}")
-        if not 0.5 <= self.merge_agreement < 1.0:
-            raise ValueError(f"merge_agreement: must be in [0.5, 1), got {self.merge_agreement}")
-
-
-@dataclass(frozen=True, slots=True)
-class GroupChange:
-    """What a keyframe did to the groups; ``changed`` and ``seen`` are sorted.
-
-    ``changed`` includes emptied groups; ``founded`` holds pairs (group, the group that most of it
-    left or -1), ``merged`` pairs (emptied, into).
-    """
-
-    changed: Int32
-    seen: Int32
-    founded: tuple[tuple[int, int], ...]
-    merged: tuple[tuple[int, int], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class _Dominance:
-    """The groups in view with the segment that dominates each; ``owner`` group per label."""
-
-    group: Int32
-    label: Int32
-    owner: Int32
+__all__ = ["NO_GROUP", "Association", "GroupChange"]
 
 
 class Association:
-    """Groups of superpoints, each a candidate for an instance."""
+    """Groups of superpoints, each a candidate for an instance.
+
+    The refinement of the paper, kept up to date keyframe by keyframe: superpoints consolidate in
+    the group that owns their segments, parts that the views show apart are detached, groups that
+    they show as one are merged, until nothing changes. Only superpoints in view, and those whose
+    segments changed hands, are looked at: the others would decide as they did.
+    """
 
     def __init__(self, params: AssociationParams) -> None:
         self._params = params
         self._of_superpoint = np.full(0, NO_GROUP, np.int32)
-        self._superpoint_evidence = Evidence(params.views)
-        self._group_evidence = Evidence(params.views)
+        self._evidence = Evidence(params.views)
+        self._coverage = Coverage(params.top_views, params.min_pixels)
         self._groups = Ids()
-        self._segments = 0
+        self._mask_segments = MaskSegments()
+        self._renumber_at = _MANY_SEGMENTS
+        self._look()
+        self._decided = self._owner, self._views
 
     def __len__(self) -> int:
         """Return one more than the largest group number given so far."""
         return len(self._groups)
 
-    def of(self, superpoint_id: Int32) -> Int32:
+    def of(self, superpoint_id: Array) -> Int32:
         """Return the groups of superpoints, -1 = none."""
         return self._of_superpoint[superpoint_id]
 
@@ -87,145 +57,238 @@ class Association:
         """Return the sorted superpoint ids of a group."""
         return np.flatnonzero(self._of_superpoint == group).astype(np.int32)
 
-    def update(self, change: SuperpointChange, visible: Visible, keyframe: int) -> GroupChange:
-        """Add the evidence of one keyframe and regroup what it shows."""
-        inherited = self._inherit(change, visible)
-        before = self.of(visible.superpoint_id)
-        self._record_superpoints(visible, keyframe)
-        dominance = self._record_groups(visible, keyframe)
-        self._reassign(visible, dominance)
-        founded = self._found(visible, before)
-        merged = self._merge(dominance)
-        after = self.of(visible.superpoint_id)
-        emptied = np.array([small for small, _ in merged], np.int32)
-        changed = np.unique(np.concatenate((inherited, before, after, emptied)))
-        changed = changed[changed >= 0]
-        self._release(changed)
-        seen = np.sort(np.concatenate((dominance.group, [group for group, _ in founded])))
-        return GroupChange(changed, seen.astype(np.int32), founded, merged)
+    def update(
+        self,
+        change: SuperpointChange,
+        visible: Visible,
+        keyframe: int,
+        entering: Callable[[], GroupChange] | None = None,
+    ) -> GroupChange:
+        """Add the evidence of one keyframe and refine the groups that it concerns.
 
-    def _inherit(self, change: SuperpointChange, visible: Visible) -> Int32:
-        """Let new superpoints continue as what they came out of; return the groups concerned."""
+        ``entering`` lets external proposals ``found`` groups of the superpoints that have come.
+        """
+        changes = Changes()
+        if self._coverage.segments > self._renumber_at:
+            self.renumber()
+        self._inherit(change, visible, changes)
+        if entering:
+            changes.take(entering())
+        changes.note(self.of(visible.superpoint_id))
+        segment = self._record(visible, keyframe)
+        self._refine(visible.superpoint_id, changes)
+        changes.note(self.of(visible.superpoint_id))
+        return self._change(changes, self._seen(segment))
+
+    def settle(self) -> GroupChange:
+        """Reconsider every superpoint, and go on until nothing changes.
+
+        After a stream that left nothing to do this changes nothing.
+        """
+        changes = Changes()
+        everyone = np.arange(len(self._of_superpoint), dtype=np.int32)
+        while self._refine(everyone, changes):
+            everyone = everyone[:0]
+        return self._change(changes, np.zeros(0, np.int32))
+
+    def found(self, superpoint_id: Int32, mask: Int32, group: Int32, views: int) -> GroupChange:
+        """Put distinct superpoints into the groups of external masks, seen as in ``views`` views.
+
+        ``mask`` int32 (N,) are numbers from 0, -1 = none; ``group`` int32 (N,) the group of the
+        mask, -1 where it has to be founded. Masks are segments of views that no camera took: what
+        the keyframes show outvotes them.
+        """
+        changes = Changes()
+        given = mask != NO_MASK
+        superpoint_id, mask, group = superpoint_id[given], mask[given], group[given].copy()
+        new, row = np.unique(mask[group == NO_GROUP], return_inverse=True)
+        founded = self._groups.take(len(new))
+        group[group == NO_GROUP] = founded[row]
+        changes.founded = tuple((number, NO_GROUP) for number in founded.tolist())
+        changes.note(self.of(superpoint_id), group)
+        self._assign(superpoint_id, np.full(len(group), NO_GROUP, np.int32))
+        pixels = np.full(len(group), self._params.min_pixels, np.int64)
+        for view in range(views):
+            segment = self._mask_segments.numbers(mask, view, self._coverage)
+            self._evidence.record(superpoint_id, segment, pixels)
+        self._assign(superpoint_id, group)
+        self._look()
+        return GroupChange(changes.groups(), np.zeros(0, np.int32), changes.founded, ())
+
+    def unite(self, first: Int32, second: Int32) -> Pairs:
+        """Merge pairs of groups found in one place, unless a view tells the two apart.
+
+        Returns pairs (emptied, into); a group that was emptied is not merged again.
+        """
+        same, common = self._views.compare(first, second)
+        # Mapped twice, at different times: mostly no view shows both.
+        together = (common == 0) | (expected_agreement(same, common) >= self._params.tau_merge)
+        pairs: list[tuple[int, int]] = []
+        gone: set[int] = set()
+        for a, b in zip(first[together].tolist(), second[together].tolist(), strict=True):
+            if gone.isdisjoint((a, b)):
+                pairs += self._unite(((a, b),))
+                gone.add(pairs[-1][0])
+        self._release(np.array(sorted(gone), np.int32))
+        self._look()
+        return tuple(pairs)
+
+    def dissolve(self, group: Int32) -> None:
+        """Let go of the superpoints of these groups, and of what was seen of them."""
+        superpoint_id = np.flatnonzero(np.isin(self._of_superpoint, group)).astype(np.int32)
+        self._assign(superpoint_id, np.full(len(superpoint_id), NO_GROUP, np.int32))
+        self._evidence.forget(superpoint_id)
+        self._release(group)
+        self._look()
+
+    def renumber(self) -> None:
+        """Forget segments that no superpoint has evidence of any more; no group changes."""
+        live = np.zeros(self._coverage.segments, np.bool_)
+        live[NO_SEGMENT] = True
+        live[self._evidence.segments(np.arange(len(self._evidence)))] = True
+        live[self._mask_segments.all_numbers()] = True
+        kept, number = np.flatnonzero(live), (np.cumsum(live) - 1).astype(np.int32)
+        self._evidence.renumber(number)
+        self._coverage.renumber(kept, number)
+        self._mask_segments.renumber(number)
+        owner, views = self._decided
+        known = kept[kept < len(owner)]
+        self._decided = owner[known], views.renumbered(known, number)
+        self._look()
+        self._renumber_at = max(_MANY_SEGMENTS, 2 * len(kept))
+
+    def _inherit(self, change: SuperpointChange, visible: Visible, changes: Changes) -> None:
+        """Let new superpoints continue as what they came out of, with its evidence."""
         largest = max(change.new_id.max(initial=-1), visible.superpoint_id.max(initial=-1))
         self._of_superpoint = with_rows(self._of_superpoint, int(largest) + 1, NO_GROUP)
-        self._superpoint_evidence.reserve(int(largest) + 1)
+        self._evidence.reserve(int(largest) + 1)
         heir = change.parent_id >= 0
         child, parent = change.new_id[heir], change.parent_id[heir]
-        self._of_superpoint[child] = self._of_superpoint[parent]
-        self._superpoint_evidence.copy(child, self._superpoint_evidence, parent)
-        concerned = self.of(np.concatenate((child, change.gone_id)))
-        self._of_superpoint[change.gone_id] = NO_GROUP
-        self._superpoint_evidence.forget(change.gone_id)
-        return concerned
+        changes.note(self.of(parent), self.of(change.gone_id))
+        self._evidence.copy(child, parent)
+        self._assign(child, self.of(parent))
+        self._assign(change.gone_id, np.full(len(change.gone_id), NO_GROUP, np.int32))
+        self._evidence.forget(change.gone_id)
 
-    def _record_superpoints(self, visible: Visible, keyframe: int) -> None:
-        segment = np.where(visible.label > 0, self._segments + visible.label, NO_SEGMENT)
-        self._superpoint_evidence.record(visible.superpoint_id, keyframe, segment)
+    def _record(self, visible: Visible, keyframe: int) -> int:
+        """Enter what dominates the visible superpoints; return the first new segment's number."""
+        shown = visible.label > 0
+        superpoint, pixels = visible.superpoint_id[shown], visible.pixels[shown]
+        label, row = np.unique(visible.label[shown], return_inverse=True)
+        first = self._coverage.open_segments(len(label), keyframe)
+        segment = (first + row).astype(np.int32)
+        old_segment, old_pixels = self._evidence.record(superpoint, segment, pixels)
+        group = self.of(superpoint)
+        self._coverage.add(group, old_segment, -old_pixels)
+        self._coverage.add(group, segment, pixels)
+        self._look()
+        return first
 
-    def _record_groups(self, visible: Visible, keyframe: int) -> _Dominance:
-        group = self.of(visible.superpoint_id)
-        known = (group >= 0) & (visible.label > 0)
-        labels = int(visible.label.max(initial=0)) + 1
-        pair, row = np.unique(
-            group[known] * np.int64(labels) + visible.label[known], return_inverse=True
+    def _refine(self, superpoint_id: Int32, changes: Changes) -> bool:
+        """Refine in rounds, first of ``superpoint_id``; return whether something is left to do."""
+        for _ in range(self._params.max_rounds):
+            superpoint_id = np.union1d(superpoint_id, self._disturbed())
+            if not len(superpoint_id):
+                return False
+            self._decided = self._owner, self._views
+            self._consolidate_and_detach(superpoint_id, changes)
+            self._merge(changes)
+            superpoint_id = superpoint_id[:0]
+        return len(self._disturbed()) > 0
+
+    def _consolidate_and_detach(self, superpoint_id: Int32, changes: Changes) -> None:
+        before = self.of(superpoint_id)
+        segment = self._evidence.segments(superpoint_id)
+        target, alone = consolidated(segment, before, self._owner, self._views, self._params)
+        part = detached_parts(
+            superpoint_id[alone],
+            before[alone],
+            self._evidence,
+            self._coverage,
+            self._views,
+            self._params,
         )
-        pixels = np.bincount(row, visible.pixels[known], len(pair))
-        enough = pixels >= self._params.min_pixels
-        pair, pixels = pair[enough], pixels[enough]
-        dominant = _largest_of_each(pair // labels, pixels)
-        group, label, pixels = pair[dominant] // labels, pair[dominant] % labels, pixels[dominant]
-        self._group_evidence.record(group, keyframe, self._segments + label)
-        self._segments += labels
-        owner = np.full(labels, NO_GROUP, np.int32)
-        largest = _largest_of_each(label, pixels)
-        owner[label[largest]] = group[largest]
-        return _Dominance(group.astype(np.int32), label.astype(np.int32), owner)
+        founded = self._groups.take(int(part.max(initial=ATTACHED)) + 1)
+        target[alone] = np.where(part == ATTACHED, before[alone], np.append(founded, 0)[part])
+        left = (before[alone][part == place] for place in range(len(founded)))
+        pairs = zip(founded.tolist(), map(_most_frequent, left), strict=True)
+        changes.founded += tuple(pairs)
+        moving = target != before
+        if not moving.any():
+            return
+        changes.note(before[moving], target[moving])
+        self._assign(superpoint_id[moving], target[moving])
+        changes.merged += self._deserted(before[moving], target[moving])
+        self._look()
 
-    def _reassign(self, visible: Visible, dominance: _Dominance) -> None:
-        """Move each superpoint to the group of its segment when that agrees better over time."""
-        superpoint, own = visible.superpoint_id, self.of(visible.superpoint_id)
-        candidate = np.where(visible.label > 0, dominance.owner[visible.label], NO_GROUP)
-        own_agreement = self._agreement_with(superpoint, own)
-        candidate_agreement = self._agreement_with(superpoint, candidate)
-        needed = np.maximum(self._params.min_agreement, own_agreement + self._params.hold)
-        moving = (candidate != own) & (candidate_agreement > needed)
-        leaving = ~moving & (own_agreement < self._params.min_agreement - self._params.hold)
-        target = np.where(moving, candidate, np.where(leaving, NO_GROUP, own))
-        self._of_superpoint[superpoint] = target
+    def _deserted(self, before: Int32, after: Int32) -> Pairs:
+        """Return the groups that are empty now, each with the group most of it moved to."""
+        left = np.unique(before[before != NO_GROUP])
+        empty = left[self._sizes()[left] == 0].tolist()
+        return tuple((group, _most_frequent(after[before == group])) for group in empty)
 
-    def _agreement_with(self, superpoint: Int32, group: Int32) -> Float64:
-        result = np.where(group >= 0, 0.5, 0.0)
-        known = group >= 0
-        result[known] = agreement(
-            *self._superpoint_evidence.compare(
-                superpoint[known], self._group_evidence, group[known]
-            )
+    def _merge(self, changes: Changes) -> None:
+        params = self._params
+        while pairs := merging_pairs(self._views, params.tau_merge, params.min_common_views):
+            changes.merged += self._unite(pairs)
+            self._look()
+
+    def _unite(self, pairs: Pairs) -> Pairs:
+        """Move the superpoints of the smaller of each pair; return pairs (emptied, into)."""
+        size = self._sizes()
+        merged = tuple((a, b) if size[a] < size[b] else (b, a) for a, b in pairs)
+        into = np.arange(len(self) + 1, dtype=np.int32)
+        into[[small for small, _ in merged]] = [large for _, large in merged]
+        into[NO_GROUP] = NO_GROUP
+        moving = np.flatnonzero(into[self._of_superpoint] != self._of_superpoint).astype(np.int32)
+        self._assign(moving, into[self.of(moving)])
+        return merged
+
+    def _assign(self, superpoint_id: Int32, group: Int32) -> None:
+        """Put distinct superpoints into groups, with all their evidence."""
+        entries = self._evidence.entries(superpoint_id)
+        before = self.of(superpoint_id)
+        self._coverage.add(
+            np.concatenate((before[entries.row], group[entries.row])),
+            np.concatenate((entries.segment, entries.segment)),
+            np.concatenate((-entries.pixels, entries.pixels)),
         )
-        return result
+        self._of_superpoint[superpoint_id] = group
 
-    def _found(self, visible: Visible, before: Int32) -> tuple[tuple[int, int], ...]:
-        """Let the superpoints of one segment that no group claims form a group of their own."""
-        alone = (self.of(visible.superpoint_id) < 0) & (visible.label > 0)
-        label, row = np.unique(visible.label[alone], return_inverse=True)
-        pixels = np.bincount(row, visible.pixels[alone], len(label))
-        kept = np.flatnonzero(pixels >= self._params.min_pixels)
-        group = self._groups.take(len(kept))
-        self._group_evidence.reserve(len(self))
-        of_label = np.full(len(label), NO_GROUP, np.int64)
-        of_label[kept] = np.arange(len(kept))
-        member = of_label[row] >= 0
-        superpoint, position = visible.superpoint_id[alone][member], of_label[row][member]
-        self._of_superpoint[superpoint] = group[position]
-        self._group_evidence.take_majority(
-            group, self._superpoint_evidence, superpoint, position.astype(np.int32)
-        )
-        left = before[alone][member]
-        return tuple(
-            (number, _most_frequent(left[position == place]))
-            for place, number in enumerate(group.tolist())
-        )
+    def _look(self) -> None:
+        """Take in who owns which segment, and which segments dominate the groups."""
+        self._owner = self._coverage.owners()
+        self._views = self._coverage.region_views(len(self))
 
-    def _merge(self, dominance: _Dominance) -> tuple[tuple[int, int], ...]:
-        """Merge groups in view that agree; a group takes part in one merge per keyframe."""
-        first, second = _pairs_with_equal(dominance.label)
-        a, b = dominance.group[first], dominance.group[second]
-        same, common = self._group_evidence.compare(a, self._group_evidence, b)
-        score = agreement(same, common)
-        good = (score >= self._params.merge_agreement) & (common >= self._params.min_common_views)
-        merged: list[tuple[int, int]] = []
-        busy: set[int] = set()
-        for row in np.lexsort((b, a, -score)):
-            pair = int(a[row]), int(b[row])
-            if good[row] and busy.isdisjoint(pair):
-                busy.update(pair)
-                merged.append(self._unite(*pair))
-        return tuple(merged)
+    def _disturbed(self) -> Int32:
+        """Return the superpoints with a segment that is not what it was at the last decision."""
+        owner, views = self._decided
+        changed: Bool = self._coverage.differing(views, self._views)
+        changed[: len(owner)] |= self._owner[: len(owner)] != owner
+        if not changed.any():
+            return np.zeros(0, np.int32)
+        everyone = np.arange(len(self._of_superpoint), dtype=np.int32)
+        return everyone[changed[self._evidence.segments(everyone)].any(axis=1)]
 
-    def _unite(self, a: int, b: int) -> tuple[int, int]:
-        small, large = (a, b) if len(self.members(a)) < len(self.members(b)) else (b, a)
-        self._of_superpoint[self._of_superpoint == small] = large
-        self._group_evidence.absorb(large, small)
-        return small, large
+    def _seen(self, first_segment: int) -> Int32:
+        """Return the groups that have a view in the keyframe of the latest segments."""
+        seen = (self._views.segment >= first_segment).any(axis=1)
+        return np.flatnonzero(seen).astype(np.int32)
+
+    def _change(self, changes: Changes, seen: Int32) -> GroupChange:
+        changed = changes.groups()
+        self._release(changed)
+        return GroupChange(changed, seen, changes.founded, changes.merged)
 
     def _release(self, group: Int32) -> None:
         """Give the numbers of emptied groups free for later ones."""
-        used = np.bincount(self._of_superpoint[self._of_superpoint >= 0], minlength=len(self))
-        empty = group[used[group] == 0]
-        self._group_evidence.forget(empty)
-        self._groups.give_back(empty)
+        self._groups.give_back(group[self._sizes()[group] == 0])
 
-
-def _largest_of_each(key: Int64, size: Array) -> Int64:
-    """Return, per distinct key, the row of the largest size (the first one among equals)."""
-    return first_of_each(np.lexsort((-size, key)), key)
+    def _sizes(self) -> Int64:
+        grouped = self._of_superpoint[self._of_superpoint != NO_GROUP]
+        return np.bincount(grouped, minlength=len(self)).astype(np.int64)
 
 
 def _most_frequent(number: Int32) -> int:
     value, count = np.unique(number, return_counts=True)
     return int(value[np.argmax(count)])
-
-
-def _pairs_with_equal(label: Int32) -> tuple[Int64, Int64]:
-    equal: Bool = label[:, None] == label[None, :]
-    first, second = np.nonzero(np.triu(equal, k=1))
-    return first, second

@@ -28,7 +28,7 @@ def box_around(points_world: Float32, up_world: Float64) -> Box:
     """
     columns = np.ascontiguousarray(points_world.T, np.float64)
     centre = columns.mean(axis=1)
-    R_world_level = _level_axes(up_world)
+    R_world_level = level_axes(up_world)
     level = R_world_level.T @ (columns - centre[:, None])
     # A stride over many points shrinks the rectangle by less than the spacing of the points.
     sample = level[:2, :: 1 + level.shape[1] // _RECTANGLE_POINTS].T
@@ -48,7 +48,7 @@ def box_around(points_world: Float32, up_world: Float64) -> Box:
     )
 
 
-def _level_axes(up_world: Float64) -> Float64:
+def level_axes(up_world: Float64) -> Float64:
     """Return a rotation (3, 3) whose third column is ``up_world``."""
     helper = np.eye(3)[int(np.argmin(np.abs(up_world)))]
     x = _cross(helper, up_world)

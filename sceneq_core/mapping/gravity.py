@@ -43,9 +43,11 @@ class Gravity:
         self._normal_sum = np.zeros((_SIDE**3, 3))
         self._area = np.zeros(_SIDE**3)
         self._camera_up_sum = np.zeros(3)
+        self._up_world: Float64 | None = None
 
     def add(self, normals_world: Float64, T_world_camera: Float64) -> None:
         """Count normals float64 (N, 3) of newly found surface and the pose that saw them."""
+        self._up_world = None
         self._camera_up_sum -= T_world_camera[:3, 1]
         cube = np.rint(normals_world * _BINS_PER_UNIT).astype(np.int64) + _BINS_PER_UNIT
         place = (cube[:, 0] * _SIDE + cube[:, 1]) * _SIDE + cube[:, 2]
@@ -57,6 +59,11 @@ class Gravity:
         """Return the unit vector against gravity, float64 (3,), world frame."""
         if self._params.up_world is not None:
             return _unit(np.array(self._params.up_world, np.float64))
+        if self._up_world is None:
+            self._up_world = self._estimate()
+        return self._up_world
+
+    def _estimate(self) -> Float64:
         camera_up = _unit(self._camera_up_sum)
         normal = self._dominant_normal(camera_up)
         if normal is None:
@@ -68,15 +75,18 @@ class Gravity:
 
         Those are large and lie across the camera's up axis. ``None`` = too little surface.
         """
-        used = np.flatnonzero(self._area)
-        axes, area = unit_rows(self._normal_sum[used]), self._area[used]
+        # A normal and its opposite are one axis, and their bins lie as far from either end.
+        axis_area = (self._area + self._area[::-1])[: _SIDE**3 // 2]
+        axis_sum = (self._normal_sum - self._normal_sum[::-1])[: _SIDE**3 // 2]
+        used = np.flatnonzero(axis_area > 0)
+        axes, area = unit_rows(axis_sum[used]), axis_area[used]
         parallel = np.abs(axes @ axes.T) > np.cos(np.deg2rad(self._params.cone_deg))
         parallel_area = parallel @ area
         best = int(np.argmax(parallel_area * (axes @ camera_up) ** 2)) if len(used) else -1
         if best < 0 or parallel_area[best] < self._params.min_voxels:
             return None
         alike = axes[parallel[best]]
-        # Floor and ceiling are one direction: their normals are turned to the same side.
+        # Floor and ceiling are one direction: axes are turned to the same side.
         side = np.sign(alike @ axes[best]) * area[parallel[best]]
         return _unit((alike * side[:, None]).sum(axis=0))
 

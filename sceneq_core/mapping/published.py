@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from sceneq_core.arrays import Bool, Float32, Int32, UInt8
-from sceneq_core.mapping.rows import with_rows
+from sceneq_core.arrays import Bool, Int32
+from sceneq_core.mapping.rows import distinct, with_rows
 from sceneq_core.mapping.superpoints import Superpoints
 from sceneq_core.mapping.voxels import Voxels
 
@@ -37,27 +37,43 @@ class Published:
         self.count -= len(known)
         return known
 
-    def renew(self, voxels: Voxels, superpoints: Superpoints, voxel_id: Int32) -> Int32:
-        """Take over what changed among ``voxel_id``; return the ids to publish, sorted."""
-        self._reserve(len(voxels))
-        points = voxels.points_world(voxel_id).astype(np.float32)
-        rgb, superpoint = voxels.rgb(voxel_id), superpoints.of(voxel_id)
-        news = self._differs(voxel_id, points, rgb, superpoint)
-        changed = voxel_id[news]
-        self.count += int((~self._known[changed]).sum())
-        self.points_world[changed], self.rgb[changed] = points[news], rgb[news]
-        self.superpoint_id[changed], self._known[changed] = superpoint[news], True
-        return np.sort(changed)
+    def renew(
+        self, voxels: Voxels, superpoints: Superpoints, touched_id: Int32, partitioned_id: Int32
+    ) -> Int32:
+        """Take over what changed of these voxels; return the ids to publish, sorted.
 
-    def _differs(self, voxel_id: Int32, points: Float32, rgb: UInt8, superpoint: Int32) -> Bool:
-        moved = np.abs(points - self.points_world[voxel_id]).max(axis=1, initial=0.0)
-        tint = np.abs(rgb.astype(np.int16) - self.rgb[voxel_id]).max(axis=1, initial=0)
-        differs = ~self._known[voxel_id] | (superpoint != self.superpoint_id[voxel_id])
-        differs |= (moved > self._step_m) | (tint >= self._COLOUR_STEP)
-        return np.asarray(differs)
+        Only where the surface was touched are there other means, and only where it was partitioned
+        other superpoints.
+        """
+        self._reserve(len(voxels))
+        moved = self._take_over(voxels, touched_id)
+        renamed = superpoints.of(partitioned_id) != self.superpoint_id.take(partitioned_id)
+        changed = np.concatenate((moved, partitioned_id.compress(renamed)))
+        voxel_id = distinct(changed, len(voxels))
+        self.superpoint_id[voxel_id] = superpoints.of(voxel_id)
+        return voxel_id
+
+    def _take_over(self, voxels: Voxels, voxel_id: Int32) -> Int32:
+        """Take over means that differ; return the voxels that have them."""
+        points, rgb = voxels.means(voxel_id)
+        step_m = np.abs(points - self.points_world.take(voxel_id, axis=0)) > self._step_m
+        tint = np.abs(rgb.astype(np.int16) - self.rgb.take(voxel_id, axis=0)) >= self._COLOUR_STEP
+        known = self._known.take(voxel_id)
+        row = np.flatnonzero(_any_column(step_m | tint) | ~known)
+        changed = voxel_id.take(row)
+        self.count += len(known) - int(np.count_nonzero(known))
+        self.points_world[changed], self.rgb[changed] = points.take(row, 0), rgb.take(row, 0)
+        self._known[changed] = True
+        return changed
 
     def _reserve(self, count: int) -> None:
         self.points_world = with_rows(self.points_world, count, 0.0)
         self.rgb = with_rows(self.rgb, count, 0)
         self.superpoint_id = with_rows(self.superpoint_id, count, -1)
         self._known = with_rows(self._known, count, False)
+
+
+def _any_column(table: Bool) -> Bool:
+    """Return the rows of (N, 3) with a true entry; for so few columns quicker than ``any``."""
+    any_of: Bool = table[:, 0] | table[:, 1] | table[:, 2]
+    return any_of

@@ -1,61 +1,71 @@
-"""The public life of instances: when a group of superpoints gets an id, and when it ends."""
+"""The public life of instances: which groups of superpoints are known under which ids."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 
-from sceneq_core.arrays import Float32, Float64, Int32
+from sceneq_core.arrays import Float64
 from sceneq_core.checks import need_at_least
 from sceneq_core.mapping.association import GroupChange
 from sceneq_core.mapping.boxes import box_around
-from sceneq_core.mapping.delta import CONFIRMED, REMOVED, Instance
+from sceneq_core.mapping.chronicle import Chronicle
+from sceneq_core.mapping.delta import CONFIRMED, TENTATIVE, Event, Instance
+from sceneq_core.mapping.doubt import DoubtParams
+from sceneq_core.mapping.lifecycle import UNKNOWN, Life
+from sceneq_core.mapping.members import Members
+from sceneq_core.mapping.presence import Look, Presence
+from sceneq_core.mapping.recognition import Appearance, Recognition, RecognitionParams, Vanished
+from sceneq_core.mapping.signature import signature_of
+from sceneq_core.mapping.vanishing import Gone, Vanishing
+
+_LOOKS_AGAIN = 1.25
+"""The looks of an instance are taken again when its size changed by this factor."""
 
 
 @dataclass(frozen=True, slots=True)
 class RegistryParams:
-    """What a group needs to be an instance: ``min_views`` keyframes and ``min_voxels``.
+    """What a group needs to be an instance, and to be a confirmed one.
 
-    An instance that shrinks ends below half of ``min_voxels``.
+    ``min_voxels`` make it an instance, half as many keep it one. It is confirmed by ``min_views``
+    keyframes over ``min_s`` seconds that nothing contradicts.
     """
 
     min_views: int = 2
+    min_s: float = 0.15
     min_voxels: int = 30
+    doubt: DoubtParams = field(default_factory=DoubtParams)
+    recognition: RecognitionParams = field(default_factory=RecognitionParams)
 
     def __post_init__(self) -> None:
         need_at_least(self, 1, "min_views", "min_voxels")
-
-
-@dataclass(frozen=True, slots=True)
-class Members:
-    """What a group consists of now: ``superpoint_id`` sorted and ``points_world`` of its voxels."""
-
-    superpoint_id: Int32
-    points_world: Float32
-
-
-@dataclass(slots=True)
-class _Life:
-    """What is known of a group: ``instance_id`` is 0 until it has been an instance."""
-
-    views: int
-    first_seen_ns: int
-    last_seen_ns: int
-    parent: int = 0
-    instance_id: int = 0
-    active: bool = False
+        need_at_least(self, 0, "min_s")
 
 
 class Registry:
     """Gives ids from 1, in the order in which groups become instances, and never twice.
 
-    Attributes:
-        instances: the active ones by id, as last returned by ``update``.
+    In every keyframe first ``look``, then ``update``. docs/adr/0013-a-room-that-changes.md tells
+    the states and what leads from one to another.
     """
 
-    def __init__(self, params: RegistryParams) -> None:
+    def __init__(self, params: RegistryParams, presence: Presence) -> None:
         self._params = params
-        self._lives: dict[int, _Life] = {}
+        self._presence = presence
+        self._recognition = Recognition(params.recognition)
+        self._chronicle = Chronicle()
+        self._vanishing = Vanishing(params.doubt, presence, self._recognition, self._chronicle)
+        self._lives: dict[int, Life] = {}
+        self._looks_size: dict[int, int] = {}
         self._next_id = 1
-        self.instances: dict[int, Instance] = {}
+
+    @property
+    def instances(self) -> dict[int, Instance]:
+        """Those that are not removed, by id, as last returned by ``update``."""
+        return self._chronicle.instances
+
+    def look(self, look: Look, members: Callable[[int], Members]) -> Gone:
+        """Hold what a keyframe looks through against the instances; return what is gone."""
+        self._chronicle.now_ns = look.now_ns
+        return self._vanishing.look(look, self._lives, members)
 
     def update(
         self,
@@ -63,71 +73,75 @@ class Registry:
         members: Callable[[int], Members],
         stamp_ns: int,
         up_world: Float64,
-    ) -> tuple[Instance, ...]:
-        """Follow the groups of one keyframe; return the instances that differ, by id."""
-        news: dict[int, Instance] = {}
-        self._see(change, stamp_ns)
+    ) -> tuple[tuple[Instance, ...], tuple[Event, ...]]:
+        """Follow the groups of one keyframe; return the instances that differ, and the events."""
+        self._chronicle.now_ns = max(self._chronicle.now_ns, stamp_ns)
+        self._see(change)
         for source, target in change.merged:
-            news |= self._merge(source, target)
+            self._merge(source, target)
         for group in change.changed.tolist():
-            news |= self._follow(group, members(group), up_world)
-        for instance_id, instance in news.items():
-            if instance.state != REMOVED:
-                self.instances[instance_id] = instance
-            else:
-                self.instances.pop(instance_id, None)
-        return tuple(news[instance_id] for instance_id in sorted(news))
+            self._follow(group, members(group), up_world)
+        for instance_id, vanished in self._recognition.decide(self._chronicle.now_ns):
+            self._recognise(instance_id, vanished)
+        return self._chronicle.take()
 
-    def _see(self, change: GroupChange, stamp_ns: int) -> None:
+    def _see(self, change: GroupChange) -> None:
+        now_ns = self._chronicle.now_ns
         for group, parent in change.founded:
             origin = self._lives.get(parent)
             parent_id = origin.instance_id if origin else 0
-            self._lives[group] = _Life(0, stamp_ns, stamp_ns, parent_id)
+            self._lives[group] = Life(now_ns, now_ns, now_ns, now_ns, parent_id)
         for group in change.seen.tolist():
             life = self._lives[group]
-            life.views += 1
-            life.last_seen_ns = max(life.last_seen_ns, stamp_ns)
+            if not (life.doubt and life.doubt.last_ns == now_ns):
+                life.see(now_ns)
 
-    def _merge(self, source: int, target: int) -> dict[int, Instance]:
-        """Let ``target`` go on under the older id; the other id ends as merged."""
-        gone, kept = self._lives.pop(source), self._lives[target]
-        kept.views = max(kept.views, gone.views)
-        kept.first_seen_ns = min(kept.first_seen_ns, gone.first_seen_ns)
-        kept.last_seen_ns = max(kept.last_seen_ns, gone.last_seen_ns)
-        ids = sorted(i for i in (kept.instance_id, gone.instance_id) if i)
-        kept.active = kept.active or gone.active
-        kept.instance_id = ids[0] if ids else 0
-        last = self.instances.get(ids[-1]) if len(ids) == 2 else None
-        return {ids[1]: replace(last, state=REMOVED, merged_into=ids[0])} if last else {}
+    def _merge(self, source: int, target: int) -> None:
+        """Let ``target`` go on as both groups; one id ends as merged."""
+        kept = self._lives[target]
+        given_up = kept.absorb(self._lives.pop(source))
+        if given_up:
+            self._chronicle.end(given_up, "merged", merged_into=kept.instance_id)
+            self._recognition.forget(given_up)
 
-    def _follow(self, group: int, members: Members, up_world: Float64) -> dict[int, Instance]:
+    def _follow(self, group: int, members: Members, up_world: Float64) -> None:
         life = self._lives.get(group)
         if life is None:
-            return {}
-        active = self._qualifies(life, len(members.points_world))
-        ended = life.active and not active
-        life.active = active
+            return
         if not len(members.superpoint_id):
             del self._lives[group]
-        if ended:
-            last = self.instances[life.instance_id]
-            return {life.instance_id: replace(last, state=REMOVED)}
-        return self._describe(life, members, up_world) if active else {}
+        if self._is_instance(life, len(members.voxel_id)):
+            self._promote(life)
+            self._describe(life, members, up_world)
+        elif life.state != UNKNOWN:
+            self._chronicle.end(life.instance_id, "removed")
+            self._recognition.forget(life.instance_id)
+            life.disown()
 
-    def _qualifies(self, life: _Life, voxels: int) -> bool:
+    def _is_instance(self, life: Life, voxels: int) -> bool:
         """Tell whether a group is an instance; it is harder to become one than to stay one."""
-        if life.active:
-            return 2 * voxels >= self._params.min_voxels
-        return life.views >= self._params.min_views and voxels >= self._params.min_voxels
+        known = life.state != UNKNOWN
+        return (2 * voxels if known else voxels) >= self._params.min_voxels
 
-    def _describe(self, life: _Life, members: Members, up_world: Float64) -> dict[int, Instance]:
-        if not life.instance_id:
-            life.instance_id = self._next_id
-            self._next_id += 1
+    def _promote(self, life: Life) -> None:
+        """Let a group become an instance, and a tentative instance a confirmed one."""
+        now_ns = self._chronicle.now_ns
+        if life.state == UNKNOWN:
+            life.instance_id, self._next_id = self._next_id, self._next_id + 1
+            life.enter(TENTATIVE, now_ns)
+            self._chronicle.tell("appeared", life.instance_id)
+            if life.parent:
+                self._chronicle.tell("split", life.instance_id, life.parent)
+        lasted = life.last_seen_ns - life.settled_ns >= self._params.min_s * 1e9
+        if life.state == TENTATIVE and lasted and life.views >= self._params.min_views:
+            life.enter(CONFIRMED, now_ns)
+            self._chronicle.tell("confirmed", life.instance_id)
+
+    def _describe(self, life: Life, members: Members, up_world: Float64) -> None:
         box = box_around(members.points_world, up_world)
         instance = Instance(
             instance_id=life.instance_id,
-            state=CONFIRMED,
+            state=life.state,
             merged_into=0,
             parent=life.parent,
             superpoint_id=members.superpoint_id,
@@ -138,5 +152,30 @@ class Registry:
             box_size_m=box.box_size_m,
             first_seen_ns=life.first_seen_ns,
             last_seen_ns=life.last_seen_ns,
+            state_since_ns=life.state_since_ns,
+            places=life.places,
         )
-        return {life.instance_id: instance}
+        self._chronicle.write(instance)
+        if life.state == CONFIRMED and not life.doubt:
+            self._note_looks(instance, members, up_world)
+
+    def _note_looks(self, instance: Instance, members: Members, up_world: Float64) -> None:
+        """Take the looks of an instance, again when its size has changed much."""
+        key, count = instance.instance_id, instance.voxel_count
+        before = self._looks_size.get(key, 0) if self._recognition.knows(key) else 0
+        if count >= _LOOKS_AGAIN * before or before >= _LOOKS_AGAIN * count:
+            self._looks_size[key] = count
+            signature = signature_of(members.points_world, members.rgb, up_world)
+            born_ns = self._presence.born_ns(members.voxel_id)
+            self._recognition.see(key, Appearance(signature, born_ns))
+
+    def _recognise(self, instance_id: int, vanished: Vanished) -> None:
+        """Let an instance go on as the one that vanished elsewhere."""
+        last, looks = vanished.instance, self._chronicle.instances[instance_id]
+        life = next(one for one in self._lives.values() if one.instance_id == instance_id)
+        life.resume(last, vanished.placed_ns)
+        self._recognition.recognise(instance_id, last.instance_id)
+        self._looks_size[last.instance_id] = self._looks_size.pop(instance_id)
+        self._chronicle.unsay(last.instance_id)
+        self._chronicle.end(instance_id, "merged", merged_into=last.instance_id)
+        self._chronicle.enter(life, CONFIRMED, "moved", looks)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from sceneq_core.arrays import Bool, Float32, Int32, UInt8
-from sceneq_core.mapping.delta import REMOVED, STATES, Instance, MapDelta
+from sceneq_core.mapping.delta import REMOVED, STATES, TENTATIVE, Instance, MapDelta
 from sceneq_core.mapping.rows import with_rows
 from sceneq_core.mapping.voxel_index import COORD_LIMIT
 
@@ -15,7 +15,7 @@ class MapReplica:
     """The map as its deltas tell it: voxel columns indexed by voxel id, instances by id.
 
     Attributes:
-        instances: every instance that is not removed, by id.
+        instances: every instance that is not removed, by id; the tentative own no voxels.
         frame_seq: the newest frame in the map, -1 before the first.
         stamp_ns: capture time of that frame, nanoseconds.
     """
@@ -123,6 +123,8 @@ class MapReplica:
         if instance.state == REMOVED:
             return
         self.instances[instance.instance_id] = instance
+        if instance.state == TENTATIVE:
+            return
         owned = with_rows(owned, int(instance.superpoint_id.max(initial=-1)) + 1, 0)
         owned[instance.superpoint_id] = instance.instance_id
         self._instance_of_superpoint = owned

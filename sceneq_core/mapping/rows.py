@@ -12,10 +12,17 @@ def with_rows(array: Array, count: int, fill: float) -> Array:
     """
     if count <= len(array):
         return array
-    capacity = max(count, 2 * len(array))
-    grown = np.full((capacity, *array.shape[1:]), fill, array.dtype)
+    shape = (max(count, 2 * len(array)), *array.shape[1:])
+    # Zeroed memory is not resident until it is written: a table of zeros costs what it holds.
+    grown = np.full(shape, fill, array.dtype) if fill else np.zeros(shape, array.dtype)
     grown[: len(array)] = array
     return grown
+
+
+def put_rows(table: Array, row_id: Int32, rows: Array) -> None:
+    """Set ``table[row_id] = rows``, both contiguous: each row as one item is thrice as quick."""
+    item = np.dtype((np.void, table.itemsize * table.shape[1]))
+    np.put(table.view(item).reshape(-1), row_id, rows.view(item).reshape(-1))
 
 
 def marked(row_id: Int32, count: int) -> Bool:
@@ -31,6 +38,26 @@ def distinct(row_id: Int32, count: int) -> Int32:
     For ids of a dense table this is far quicker than sorting or hashing them.
     """
     return np.flatnonzero(marked(row_id, count)).astype(np.int32)
+
+
+def runs(rows: Array) -> tuple[Int64, Int64]:
+    """Return the rows of (N, K) that differ from the one before, and which each row repeats."""
+    starts = np.ones(len(rows), np.bool_)
+    if len(rows):
+        changed = [column[1:] != column[:-1] for column in rows.T]
+        starts[1:] = np.logical_or.reduce(changed)
+    return np.flatnonzero(starts), np.cumsum(starts) - 1
+
+
+def counted(key: Int64) -> tuple[Int64, Int64]:
+    """Return the distinct keys, sorted, and how often each occurs.
+
+    Rows of images and of cells mostly repeat the key before: runs are sorted, not keys.
+    """
+    first, _ = runs(key[:, None])
+    value, row = np.unique(key.take(first), return_inverse=True)
+    count = np.bincount(row, np.diff(first, append=len(key)), len(value))
+    return value, count.astype(np.int64)
 
 
 def first_of_each(order: Int64, key: Array) -> Int64:

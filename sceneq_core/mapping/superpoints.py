@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sceneq_core.arrays import Int32
+from sceneq_core.arrays import Bool, Int32
 from sceneq_core.mapping.ids import Ids
 from sceneq_core.mapping.partition import SuperpointParams, VoxelFeatures, partition
-from sceneq_core.mapping.rows import distinct, first_of_each, marked, with_rows
-from sceneq_core.mapping.voxels import Voxels
+from sceneq_core.mapping.ragged import Ragged
+from sceneq_core.mapping.rows import counted, distinct, first_of_each, marked, with_rows
+from sceneq_core.mapping.voxels import Moved, Voxels
 
 _MUCH_NEW = 8
 """A cell has gained much surface when this many times the new voxels exceed those seen."""
@@ -35,61 +36,94 @@ class Superpoints:
     def __init__(self, params: SuperpointParams) -> None:
         self._params = params
         self._of_voxel = np.full(0, -1, np.int32)
-        self._cell = np.full(0, -1, np.int32)
+        self._voxels = Ragged()
         self._ids = Ids()
+        # Per cell, how many voxels of it keyframes touched: so far, and up to its last partition.
+        self._seen = np.zeros(0, np.int64)
+        self._partitioned = np.zeros(0, np.int64)
 
     def __len__(self) -> int:
         """Return one more than the largest id given so far."""
         return len(self._ids)
 
+    def reserve(self, count: int) -> None:
+        """Make room for voxel ids below ``count``; they have no superpoint yet."""
+        self._of_voxel = with_rows(self._of_voxel, count, -1)
+
     def of(self, voxel_id: Int32) -> Int32:
         """Return the superpoint ids of voxels, -1 = none."""
-        return self._of_voxel[voxel_id]
+        return self._of_voxel.take(voxel_id)
 
-    def voxels(self, voxels: Voxels, superpoint_id: Int32) -> Int32:
-        """Return the voxels of these superpoints, in the order of their cells."""
-        wanted = marked(superpoint_id, len(self))
-        inside = voxels.cells.voxels(distinct(self._cell[superpoint_id], len(voxels.cells)))
-        superpoint = self._of_voxel[inside]
-        return inside[(superpoint >= 0) & wanted[superpoint]]
+    def voxels(self, superpoint_id: Int32) -> Int32:
+        """Return the voxels of these superpoints, one superpoint after the other."""
+        return self._voxels.of(superpoint_id)
 
     def update(
         self, voxels: Voxels, touched_id: Int32, cleared_id: Int32, keyframe: int
     ) -> tuple[Int32, SuperpointChange]:
         """Partition cells of these voxels anew; return the voxels partitioned and the change."""
-        self._of_voxel = with_rows(self._of_voxel, len(voxels), -1)
+        self.reserve(len(voxels))
         cell_id = self._due_cells(voxels, touched_id, cleared_id, keyframe)
-        inside = voxels.cells.voxels(cell_id)
-        before = self._of_voxel[inside]
-        before = distinct(before[before >= 0], len(self))
+        before = self._of_voxel[voxels.cells.voxels(cell_id)]
         self._of_voxel[cleared_id] = -1
+        return self._repartition(voxels, cell_id, before)
+
+    def carry(self, voxels: Voxels, moved: Moved) -> tuple[Int32, SuperpointChange]:
+        """Let superpoints go with the surface of their voxels; partition where it was and is.
+
+        A superpoint lies in one cell: what of it comes into another one goes on as its child.
+        """
+        self.reserve(len(voxels))
+        both = np.concatenate((moved.from_id, moved.to_id))
+        cell_id = distinct(voxels.cell(both), len(voxels.cells))
+        before = self._of_voxel[voxels.cells.voxels(cell_id)]
+        carried = self.of(moved.from_id)[moved.heaviest]
+        self._of_voxel[moved.from_id] = -1
+        self._of_voxel[moved.to_id[moved.heaviest]] = carried
+        return self._repartition(voxels, cell_id, before)
+
+    def _repartition(
+        self, voxels: Voxels, cell_id: Int32, before: Int32
+    ) -> tuple[Int32, SuperpointChange]:
+        inside = voxels.cells.voxels(cell_id)
+        before = distinct(before[before >= 0], len(self))
         voxel_id = voxels.occupied(inside)
-        part = partition(
-            VoxelFeatures(
-                voxels.coord(voxel_id), voxels.normals_world(voxel_id), voxels.colours(voxel_id)
-            ),
-            self._params,
-        )
+        features = VoxelFeatures(voxels.coord(voxel_id), *voxels.features(voxel_id))
+        part = partition(features, self._params)
         change = self._rename(voxel_id, part, before)
-        self._cell = with_rows(self._cell, len(self), -1)
-        self._cell[self._of_voxel[voxel_id]] = voxels.cells.of(voxels.coord(voxel_id))
+        self._voxels.forget(change.gone_id)
+        superpoint = self.of(voxel_id)
+        count = np.bincount(superpoint)
+        superpoint_id = np.flatnonzero(count).astype(np.int32)
+        in_order = voxel_id.take(np.argsort(superpoint, kind="stable"))
+        self._voxels.put(superpoint_id, count.take(superpoint_id), in_order)
         return voxel_id, change
 
     def _due_cells(
         self, voxels: Voxels, touched_id: Int32, cleared_id: Int32, keyframe: int
     ) -> Int32:
-        """Return the touched cells that lost surface, gained much of it, or whose turn it is."""
-        cell = voxels.cells.of(voxels.coord(touched_id))
-        count = len(voxels.cells)
-        new = np.bincount(cell[self._of_voxel[touched_id] < 0], minlength=count)
+        """Return the cells that lost surface, gained much of it, or whose turn has come."""
+        cell, count = voxels.cell(touched_id), len(voxels.cells)
+        new = np.bincount(cell[self.of(touched_id) < 0], minlength=count)
         touched = np.bincount(cell, minlength=count)
+        self._seen = with_rows(self._seen, count, 0)
+        self._partitioned = with_rows(self._partitioned, count, 0)
+        self._seen[:count] += touched
         turn = (np.arange(count) + keyframe) % self._params.refresh_keyframes == 0
+        turn &= (new > 0) | self._has_grown(count)
         due = (touched > 0) & (turn | (_MUCH_NEW * new > touched))
-        due[voxels.cells.of(voxels.coord(cleared_id))] = True
-        return np.flatnonzero(due).astype(np.int32)
+        due[voxels.cell(cleared_id)] = True
+        cell_id = np.flatnonzero(due).astype(np.int32)
+        self._partitioned[cell_id] = self._seen[cell_id]
+        return cell_id
+
+    def _has_grown(self, count: int) -> Bool:
+        """Tell which cells were seen so much more that their means may have changed."""
+        grown = self._seen[:count] >= self._params.min_growth * self._partitioned[:count]
+        return np.asarray(grown)
 
     def _rename(self, voxel_id: Int32, part: Int32, before: Int32) -> SuperpointChange:
-        heir, parent = _match(part, self._of_voxel[voxel_id])
+        heir, parent = _match(part, self.of(voxel_id))
         gone = before[~marked(heir[heir >= 0], len(self))[before]]
         new = heir < 0
         new_id = self._ids.take(int(new.sum()))
@@ -106,9 +140,9 @@ def _match(part: Int32, old: Int32) -> tuple[Int32, Int32]:
     """
     count = int(part.max(initial=-1)) + 1
     heir, parent = np.full(count, -1, np.int32), np.full(count, -1, np.int32)
-    known = old >= 0
     span = int(old.max(initial=0)) + 1
-    pair, overlap = np.unique(part[known] * np.int64(span) + old[known], return_counts=True)
+    known = np.flatnonzero(old >= 0)
+    pair, overlap = counted(part.take(known) * np.int64(span) + old.take(known))
     pair_part, pair_old = pair // span, pair % span
     largest_old = first_of_each(np.lexsort((pair_old, -overlap, pair_part)), pair_part)
     largest_part = first_of_each(np.lexsort((pair_part, -overlap, pair_old)), pair_old)

@@ -9,6 +9,7 @@ from sceneq_core.arrays import Bool, Float32, Float64, Int32, UInt8
 from sceneq_core.checks import need_at_least, need_between, need_positive
 from sceneq_core.depth import inverse_depth, pixel_rays, smoothed_depth
 from sceneq_core.frame import Frame
+from sceneq_core.vectors import unit_rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,19 +65,21 @@ def measure_surface(frame: Frame, params: SurfaceParams) -> SurfacePoints:
     inverse, mean = inverse_depth(depth_m, valid, params.normal_radius_px)
     filled = np.where(valid, inverse, mean)
     step = (stride / frame.K[0, 0], stride / frame.K[1, 1])
-    normals, cosine = _normals(filled, mean, x, y, step, params.normal_radius_px)
+    normal, cosine = _normals(filled, mean, x, y, step, params.normal_radius_px)
     keep = valid & (cosine > params.min_cosine) & ~_mixed(depth_m, params.max_jump_per_m)
-    row, column = np.nonzero(keep)
-    z = smoothed_depth(depth_m[keep], mean[keep], params.max_smooth_per_m)
-    points_camera = np.stack((x[column] * z, y[row] * z, z), axis=1)
+    index = np.flatnonzero(keep)
+    row, column = (i.astype(np.int32) for i in np.divmod(index, len(x)))
+    z = smoothed_depth(depth_m.take(index), mean.take(index), params.max_smooth_per_m)
+    points_camera = np.stack((x.take(column) * z, y.take(row) * z, z), axis=1)
     rotation, translation = frame.T_world_camera[:3, :3], frame.T_world_camera[:3, 3]
+    normals_camera = np.stack([n.take(index) for n in normal], axis=1, dtype=np.float64)
     return SurfacePoints(
         points_world=points_camera @ rotation.T + translation,
-        normals_world=normals[keep].astype(np.float64) @ rotation.T,
-        rgb=frame.rgb[row * stride, column * stride],
-        weight=cosine[keep] / (z * z),
-        row=(row * stride).astype(np.int32),
-        column=(column * stride).astype(np.int32),
+        normals_world=unit_rows(normals_camera @ rotation.T),
+        rgb=frame.rgb[::stride, ::stride].reshape(-1, 3).take(index, axis=0),
+        weight=cosine.take(index) / (z * z),
+        row=row * stride,
+        column=column * stride,
     )
 
 
@@ -90,19 +93,20 @@ def _mixed(depth_m: Float32, max_jump_per_m: float) -> Bool:
 
 def _normals(
     filled: Float32, mean: Float32, x: Float64, y: Float64, step: tuple[float, float], radius: int
-) -> tuple[Float32, Float32]:
-    """Return unit normals (H, W, 3) towards the camera and the cosine to the viewing ray (H, W).
+) -> tuple[list[Float32], Float32]:
+    """Return x, y, z (H, W) of normals towards the camera and their cosine to the viewing ray.
 
     The inverse depth of a plane is linear in the pixel, so its least-squares slope in a window is
-    the normal up to scale. ``step`` is the distance between pixels in ``x`` and in ``y``.
+    the normal up to scale, which is not taken out. ``step`` is the distance between pixels in
+    ``x`` and in ``y``.
     """
     ramp = np.arange(-radius, radius + 1, dtype=np.float32)
     ramp /= (ramp**2).sum()
     box = np.full(2 * radius + 1, 1.0 / (2 * radius + 1), np.float32)
-    slope_x = cv2.sepFilter2D(filled, -1, ramp, box) / np.float32(step[0])
-    slope_y = cv2.sepFilter2D(filled, -1, box, ramp) / np.float32(step[1])
+    slope_x = cv2.sepFilter2D(filled, -1, ramp / np.float32(-step[0]), box)
+    slope_y = cv2.sepFilter2D(filled, -1, box, ramp / np.float32(-step[1]))
     x32, y32 = x.astype(np.float32)[None, :], y.astype(np.float32)[:, None]
-    normal = np.stack((slope_x, slope_y, mean - x32 * slope_x - y32 * slope_y), axis=2)
-    length = np.maximum(np.sqrt((normal**2).sum(axis=2)), np.float32(1e-9))
-    ray_length = np.sqrt(1.0 + x32**2 + y32**2).astype(np.float32)
-    return -normal / length[:, :, None], mean / (length * ray_length)
+    slope_z = -mean - x32 * slope_x - y32 * slope_y
+    length = np.sqrt(slope_x * slope_x + slope_y * slope_y + slope_z * slope_z)
+    length *= np.sqrt(1.0 + x32 * x32 + y32 * y32)
+    return [slope_x, slope_y, slope_z], mean / np.maximum(length, np.float32(1e-9))

@@ -5,20 +5,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from sceneq_core.arrays import Int32, Int64, UInt16
-from sceneq_core.mapping.evidence import NO_SEGMENT
+from sceneq_core.mapping.rows import counted, first_of_each
+
+NO_LABEL = -1
 
 
 @dataclass(frozen=True, slots=True)
 class Visible:
     """The superpoints in one keyframe, parallel rows sorted by ``superpoint_id`` int32 (S,).
 
-    ``label`` int32 (S,) is the value of the dominant segment in the label image, -1 where no
-    segment covers more than half; ``pixels`` int64 (S,) counts the surface points that show it.
+    ``label`` int32 (S,) is the value in the label image of the segment that shows most of it, -1
+    where none does; ``pixels`` int64 (S,) counts the surface points that show the superpoint.
     """
 
     superpoint_id: Int32
     label: Int32
     pixels: Int64
+
+
+NOTHING_VISIBLE = Visible(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros(0, np.int64))
 
 
 def visible_superpoints(
@@ -29,14 +34,18 @@ def visible_superpoints(
     ``superpoint_of_point`` int32 (N,), -1 = none, and ``label_of_point`` uint16 (N,), 0 = none,
     are parallel over the surface points of the keyframe.
     """
-    known = superpoint_of_point >= 0
-    superpoint, label = superpoint_of_point[known], label_of_point[known].astype(np.int64)
+    known = np.flatnonzero(superpoint_of_point >= 0)
+    superpoint = superpoint_of_point.take(known)
+    label = label_of_point.take(known).astype(np.int64)
     labels = int(label.max(initial=0)) + 1
-    pair, count = np.unique(superpoint * labels + label, return_counts=True)
+    pair, count = counted(superpoint * labels + label)
     pair_superpoint, pair_label = pair // labels, pair % labels
     total = np.bincount(pair_superpoint, count)
     enough = np.flatnonzero(total >= max(min_pixels, 1))
-    dominant = np.full(len(total), NO_SEGMENT, np.int32)
-    majority = (2 * count > total[pair_superpoint]) & (pair_label > 0)
-    dominant[pair_superpoint[majority]] = pair_label[majority]
+    dominant = np.full(len(total), NO_LABEL, np.int32)
+    # Pixels without a segment are no opinion: the edges of 2D masks are often drawn in.
+    shown = np.flatnonzero(pair_label > 0)
+    order = shown[np.lexsort((pair_label[shown], -count[shown], pair_superpoint[shown]))]
+    most = first_of_each(order, pair_superpoint)
+    dominant[pair_superpoint[most]] = pair_label[most]
     return Visible(enough.astype(np.int32), dominant[enough], total[enough].astype(np.int64))

@@ -17,6 +17,11 @@ def no_candidates(problem: Problem) -> str:
     return f"nothing in the map may be '{problem.target}'"
 
 
+def no_names() -> str:
+    """Say that geometry has no opinion on what a thing is called."""
+    return "as the encoder names it: geometry knows no names"
+
+
 def none_holds(problem: Problem) -> str:
     """Say that no candidate satisfies the constraints."""
     wanted = " and ".join(_said(constraint, None) for constraint in problem.constraints)

@@ -9,7 +9,17 @@ import numpy as np
 from sceneq_core.arrays import Float64
 from sceneq_core.checks import need_between
 from sceneq_core.reasoning import explanation
-from sceneq_core.reasoning.reasoner import Candidate, Constraint, Problem, Verdict
+from sceneq_core.reasoning.known_relations import with_known
+from sceneq_core.reasoning.reasoner import (
+    Candidate,
+    Constraint,
+    LabelProblem,
+    LabelVerdict,
+    Pictures,
+    Problem,
+    Verdict,
+    no_pictures,
+)
 from sceneq_core.reasoning.relations import RELATIONS, VIEWER_RELATIVE, Pair, RelationParams
 from sceneq_core.reasoning.superlatives import SUPERLATIVES, probability_of_first
 from sceneq_core.reasoning.upright import point_box, upright_axes, upright_box
@@ -50,7 +60,13 @@ class GeometricReasoner:
     def __init__(self, params: GeometricParams) -> None:
         self.params = params
 
-    def solve(self, problem: Problem) -> Verdict:
+    def label(self, problem: LabelProblem, pictures: Pictures = no_pictures) -> LabelVerdict:
+        """Return the encoder's labels as they are: geometry knows no names."""
+        total = sum(p for _, p in problem.labels) or 1.0
+        ranking = tuple((name, p / total) for name, p in problem.labels)
+        return LabelVerdict(ranking, explanation.no_names(), 0)
+
+    def solve(self, problem: Problem, pictures: Pictures = no_pictures) -> Verdict:
         """Return the targets that satisfy all constraints.
 
         Raises:
@@ -71,6 +87,9 @@ class GeometricReasoner:
             score = compared.score
             holdings.append(compared)
         return self._verdict(problem, targets, score, holdings)
+
+    def close(self) -> None:
+        """Nothing to release."""
 
     def _verdict(
         self,
@@ -116,7 +135,12 @@ class GeometricReasoner:
         return [
             0.0
             if anchor.instance_id == target.instance_id
-            else relation(_pair(problem, target, anchor), params)
+            else with_known(
+                constraint.relation,
+                target,
+                anchor,
+                relation(_pair(problem, target, anchor), params),
+            )
             for anchor in anchors
         ]
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from sceneq_core.reasoning.reasoner import NO_USAGE, Usage
 from sceneq_core.routing.gate import Confidence
 from sceneq_core.routing.labels import Label
 from sceneq_core.routing.scene import Revision, SceneInstance
@@ -39,11 +40,12 @@ class Answer:
     reason: str
     vlm_calls: int
     revision: Revision
+    usage: Usage = NO_USAGE
 
 
 @dataclass(frozen=True, slots=True)
 class Naming:
-    """What an instance is called: the most probable labels, best first."""
+    """What an instance is called: the most probable labels, best first; ``route`` as above."""
 
     status: str
     instance: SceneInstance
@@ -51,3 +53,6 @@ class Naming:
     confidence: Confidence
     reason: str
     revision: Revision
+    route: str = FAST
+    vlm_calls: int = 0
+    usage: Usage = NO_USAGE

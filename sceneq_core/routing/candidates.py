@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from sceneq_core.arrays import Float64
+from sceneq_core.mapping.delta import OBJECT
 from sceneq_core.reasoning.reasoner import Candidate, Problem
 from sceneq_core.routing.likelihood import Fit
 from sceneq_core.routing.question import Question
@@ -39,9 +40,15 @@ def _target_rows(snapshot: SceneSnapshot, question: Question, fits: Mapping[str,
     anchor = next((c.anchor for c in phrase.constraints if c.anchor), "")
     if phrase.target or not anchor:
         return [int(row) for row in fits[phrase.target].order]
+    if not len(fits[anchor].order):
+        return []
     nearest_to = int(fits[anchor].order[0])
-    around = np.argsort(_gaps(snapshot, nearest_to), kind="stable")
-    return [int(row) for row in around if row != nearest_to]
+    around = np.argsort(_gaps(snapshot, nearest_to), kind="stable").tolist()
+    return [row for row in around if row != nearest_to and _is_object(snapshot, row)]
+
+
+def _is_object(snapshot: SceneSnapshot, row: int) -> bool:
+    return snapshot.instances[row].geometry.role == OBJECT
 
 
 def _gaps(snapshot: SceneSnapshot, row: int) -> Float64:
@@ -76,4 +83,7 @@ def _candidate(
         T_world_box=instance.geometry.T_world_box,
         box_size_m=instance.geometry.box_size_m,
         views=tuple((view.seq, view.box_xyxy) for view in instance.views),
+        supported_by=instance.geometry.supported_by,
+        inside=instance.geometry.inside,
+        neighbours=tuple(instance.geometry.neighbour_id.tolist()),
     )

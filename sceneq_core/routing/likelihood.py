@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sceneq_core.arrays import Float32, Float64, Int64
+from sceneq_core.arrays import Bool, Float32, Float64, Int64
 from sceneq_core.encoding.colour import COLOUR_TERMS
+from sceneq_core.mapping.delta import OBJECT
 from sceneq_core.routing.gate import log_softmax
 from sceneq_core.routing.question import TextTower, Wanted
 from sceneq_core.routing.scene import SceneSnapshot
@@ -35,8 +36,11 @@ nobody would be shown first, is not worth their softmax over the label set."""
 class Fit:
     """How words fit the N instances of a snapshot.
 
+    Only instances of the role that is meant count: floor and walls are not objects, and not asked
+    of the encoder. ``order`` leaves the others out, their ``p`` is 0.
+
     ``p`` (N,) is the probability that an instance is meant, given that one is; ``cosine`` (N,) the
-    mean cosine with the words; ``order`` (N,) the rows, best first. ``presence`` is the highest
+    mean cosine with the words; ``order`` (M,) the rows, best first. ``presence`` is the highest
     p(words | instance) of the best ones, ``chance`` what it would be if the encoder knew nothing.
     """
 
@@ -62,17 +66,38 @@ class Likelihood:
         noun, common = self._noun_cosine(snapshot, wanted)
         colour = snapshot.descriptors @ self._colour_vectors.T
         log_colour = self._log_p(colour)[:, asked].sum(axis=1)
+        roles = np.array([one.geometry.role for one in snapshot.instances], np.str_)
+        meant = roles == OBJECT
+        if wanted.role != OBJECT and (roles == wanted.role).any():
+            return self._fit_structure(snapshot, roles == wanted.role, noun, log_colour)
         log_fit = (noun - common).astype(np.float64) / self._temperature + log_colour
-        order = np.argsort(-log_fit, kind="stable")
+        log_fit[~meant] = -np.inf
+        order = np.argsort(-log_fit, kind="stable")[: meant.sum()]
         best = order[:LOOKED_AT]
         rivals = self._rivals(snapshot, wanted, best)
         log_noun = self._log_p(np.column_stack([noun[best], rivals]))[:, 0]
         return Fit(
-            p=np.exp(log_softmax(log_fit)),
+            p=np.exp(log_softmax(log_fit)) if meant.any() else np.zeros(len(meant)),
             cosine=np.column_stack([noun, colour[:, asked]]).mean(axis=1).astype(np.float64),
             order=order,
-            presence=min(float(np.exp(log_noun + log_colour[best]).max()), self._ceiling),
+            presence=min(
+                float(np.exp(log_noun + log_colour[best]).max(initial=0.0)), self._ceiling
+            ),
             chance=1.0 / (1 + rivals.shape[1]) / len(COLOUR_TERMS) ** len(asked),
+        )
+
+    def _fit_structure(
+        self, snapshot: SceneSnapshot, meant: Bool, cosine: Float32, log_colour: Float64
+    ) -> Fit:
+        """Return the fit of a part of the building: the map knows it, the larger the likelier."""
+        voxels = np.array([one.geometry.voxel_count for one in snapshot.instances], np.float64)
+        log_fit = np.where(meant, np.log(np.maximum(voxels, 1.0)) + log_colour, -np.inf)
+        return Fit(
+            p=np.exp(log_softmax(log_fit)),
+            cosine=cosine.astype(np.float64),
+            order=np.argsort(-log_fit, kind="stable")[: meant.sum()],
+            presence=self._ceiling * float(np.exp(log_colour[meant].max())),
+            chance=0.0,
         )
 
     def _rivals(self, snapshot: SceneSnapshot, wanted: Wanted, rows: Int64) -> Float32:

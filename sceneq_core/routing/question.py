@@ -9,6 +9,8 @@ import numpy as np
 
 from sceneq_core.arrays import Bool, Float32
 from sceneq_core.encoding.encoder import Encoder
+from sceneq_core.mapping.delta import OBJECT
+from sceneq_core.routing import words
 from sceneq_core.routing.labels import Labeller
 from sceneq_core.routing.phrase import Phrase, read, without_colours
 
@@ -19,11 +21,13 @@ class Wanted:
 
     ``vector`` float32 (D,) of the words without colours, ``None`` = any thing; ``colours`` are
     rows of ``COLOUR_TERMS``; ``rivals`` bool (C,) marks the labels that mean something else.
+    ``role`` is that of the instances they may mean: objects, or the part of the building named.
     """
 
     vector: Float32 | None
     colours: tuple[int, ...]
     rivals: Bool
+    role: str = OBJECT
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,10 +78,11 @@ class Reader:
 
     def _wanted(self, thing: str) -> Wanted:
         noun, colours = without_colours(thing)
+        role = words.STRUCTURE.get(noun, OBJECT)
         if not noun:
             return Wanted(None, colours, np.zeros(len(self._labeller.label_set), np.bool_))
         vector = self._tower.encode([noun])[0]
-        return Wanted(vector, colours, self._rivals(noun, vector))
+        return Wanted(vector, colours, self._rivals(noun, vector), role)
 
     def _rivals(self, noun: str, vector: Float32) -> Bool:
         """A label that means the same, or whose words end the noun's, speaks for it."""

@@ -7,7 +7,14 @@ import numpy as np
 
 from sceneq_core.checks import need_within
 from sceneq_core.encoding.encoder import Encoder
-from sceneq_core.reasoning.reasoner import Problem, Verdict
+from sceneq_core.reasoning.reasoner import (
+    NO_USAGE,
+    LabelProblem,
+    LabelVerdict,
+    Problem,
+    Usage,
+    Verdict,
+)
 from sceneq_core.routing.answer import (
     AMBIGUOUS,
     FALLBACK,
@@ -22,7 +29,7 @@ from sceneq_core.routing.answer import (
 from sceneq_core.routing.candidates import pose_problem
 from sceneq_core.routing.gate import Confidence
 from sceneq_core.routing.judge import Judge, JudgeParams, absence, hesitation
-from sceneq_core.routing.labels import Labeller
+from sceneq_core.routing.labels import Label, Labeller
 from sceneq_core.routing.likelihood import Fit, Likelihood
 from sceneq_core.routing.question import Question, Reader, TextTower
 from sceneq_core.routing.scene import SceneSnapshot
@@ -126,7 +133,13 @@ class Router:
             ValueError: the verdict ranks an instance that was not among the candidates.
         """
         fast = routed.answer
-        told = replace(fast, route=REASONED, reason=verdict.reason, vlm_calls=verdict.vlm_calls)
+        told = replace(
+            fast,
+            route=REASONED,
+            reason=verdict.reason,
+            vlm_calls=verdict.vlm_calls,
+            usage=verdict.usage,
+        )
         if not verdict.ranking:
             sure = self._judge.claims(routed.presence)
             return replace(told, status=NOT_FOUND if sure else AMBIGUOUS)
@@ -142,10 +155,13 @@ class Router:
             confidence=confidence,
         )
 
-    def fall_back(self, routed: Routed, why: str) -> Answer:
+    def fall_back(
+        self, routed: Routed, why: str, vlm_calls: int = 0, usage: Usage = NO_USAGE
+    ) -> Answer:
         """Return the encoder's answer, marked: a reasoner should have looked, but ``why``."""
         fast = routed.answer
-        return replace(fast, route=FALLBACK, reason=f"{why}; {fast.reason}")
+        reason = f"{why}; {fast.reason}"
+        return replace(fast, route=FALLBACK, reason=reason, vlm_calls=vlm_calls, usage=usage)
 
     def label(self, snapshot: SceneSnapshot, row: int, k: int = 5) -> Naming:
         """Return what the instance in ``row`` is called, and whether the gate accepts it."""
@@ -160,6 +176,47 @@ class Router:
             reason="the gate accepts the label" if accepted else hesitation(confidence),
             revision=snapshot.revision,
         )
+
+    def label_problem(self, snapshot: SceneSnapshot, row: int) -> LabelProblem:
+        """Return the question for a reasoner what the instance in ``row`` is called."""
+        best = self.labeller.best_of_scores(snapshot.label_scores[row], self.params.top_k)
+        instance = snapshot.instances[row]
+        views = tuple((view.seq, view.box_xyxy) for view in instance.views)
+        labels = tuple((label.name, label.p) for label in best)
+        return LabelProblem(instance.instance_id, labels, views)
+
+    def conclude_label(
+        self, snapshot: SceneSnapshot, row: int, verdict: LabelVerdict, k: int = 5
+    ) -> Naming:
+        """Return the reasoner's name: it has seen the thing, so its own votes carry the claim.
+
+        Raises:
+            ValueError: no label, or one that the encoder did not propose.
+        """
+        if not verdict.ranking:
+            raise ValueError("verdict: no label")
+        naming = self.label(snapshot, row, self.params.top_k)
+        confidence = Confidence.of(np.array([p for _, p in verdict.ranking]), self._temperature)
+        cosine = {label.name: label.cosine for label in naming.labels}
+        if unknown := [name for name, _ in verdict.ranking if name not in cosine]:
+            raise ValueError(f"verdict: {unknown[0]!r:.40} was not proposed")
+        return replace(
+            naming,
+            status=FOUND if self._judge.accepts(confidence) else AMBIGUOUS,
+            labels=tuple(Label(name, p, cosine[name]) for name, p in verdict.ranking[:k]),
+            confidence=confidence,
+            reason=verdict.reason,
+            route=REASONED,
+            vlm_calls=verdict.vlm_calls,
+            usage=verdict.usage,
+        )
+
+    def fall_back_label(
+        self, naming: Naming, why: str, vlm_calls: int = 0, usage: Usage = NO_USAGE
+    ) -> Naming:
+        """Return the encoder's name, marked as in ``fall_back``."""
+        reason = f"{why}; {naming.reason}"
+        return replace(naming, route=FALLBACK, reason=reason, vlm_calls=vlm_calls, usage=usage)
 
     def _decide(
         self, question: Question, fits: Mapping[str, Fit], confidence: Confidence

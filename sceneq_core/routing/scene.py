@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sceneq_core.arrays import Float32, Float64, Int32
-from sceneq_core.mapping.delta import Instance
+from sceneq_core.mapping.delta import OBJECT, REMOVED, TENTATIVE, Instance
 from sceneq_core.routing.labels import Label, Labeller
 
 Box = tuple[float, float, float, float]
@@ -49,7 +49,8 @@ class SceneSnapshot:
     """The instances that can be answered with, sorted by id, and their matrices.
 
     ``descriptors`` float32 (N, D) unit rows; ``label_scores`` float32 (N, C) cosines with the
-    label set; ``waiting`` are the map's other instances, which have no descriptor or no view yet.
+    label set; ``waiting`` are the map's other instances, which are tentative or have no descriptor
+    or no view yet.
     ``viewpoint_world`` (3,) metres is the newest camera position, ``up_world`` (3,) unit.
     """
 
@@ -88,7 +89,8 @@ class Scene:
     """Follows map, views and descriptors; every ``snapshot`` is independent of later changes.
 
     An instance enters the snapshot when it has geometry, a descriptor and at least one view of
-    the same map epoch: no answer without evidence, and no descriptor of a map that is gone.
+    the same map epoch: no answer without evidence, and no descriptor of a map that is gone. One
+    that is tentative has to wait; one that is stale is answered with, and its state says so.
 
     Views and descriptors that are not mentioned stay, also when their writer starts again: it has
     yet to see the instances again, and what it told before is still true of the same map.
@@ -112,7 +114,7 @@ class Scene:
         if full:
             self._geometry = {}
         for instance in instances:
-            if instance.state != "removed":
+            if instance.state != REMOVED:
                 self._geometry[instance.instance_id] = instance
             else:
                 self._geometry.pop(instance.instance_id, None)
@@ -141,6 +143,15 @@ class Scene:
             self._described.pop(instance_id, None)
         self._described.update(described)
 
+    def take_over(self, other: "Scene") -> None:
+        """Know the map and the views that ``other`` knows; descriptors are of its encoder only."""
+        self._revision = other._revision
+        self._up_world = other._up_world
+        self._viewpoint_world = other._viewpoint_world
+        self._geometry = dict(other._geometry)
+        self._views = dict(other._views)
+        self._views_epoch = other._views_epoch
+
     def accepts(self, descriptor: Float32) -> bool:
         """Return whether ``descriptor`` is finite and as long as the label texts' vectors."""
         dim = self._labeller.text_vectors.shape[1]
@@ -158,7 +169,7 @@ class Scene:
         return SceneSnapshot(
             revision=self._revision,
             instances=tuple(
-                SceneInstance(self._geometry[key], self._views[key], row.label)
+                SceneInstance(self._geometry[key], self._views[key], self._label(key))
                 for key, row in zip(ids, rows, strict=True)
             ),
             descriptors=_rows([row.descriptor for row in rows], dim),
@@ -169,8 +180,15 @@ class Scene:
         )
 
     def _answerable(self, instance_id: int) -> bool:
+        if self._geometry[instance_id].state == TENTATIVE:
+            return False
         same_map = self._views_epoch == self._described_epoch == self._revision.epoch
         return same_map and bool(self._views.get(instance_id)) and instance_id in self._described
+
+    def _label(self, instance_id: int) -> Label:
+        """Return what an instance is called; what is part of the building is called by its role."""
+        label, role = self._described[instance_id].label, self._geometry[instance_id].role
+        return label if role == OBJECT else Label(role, self._labeller.ceiling, label.cosine)
 
     def _describe(self, instance_id: int, descriptor: Float32) -> _Described:
         if not self.accepts(descriptor):

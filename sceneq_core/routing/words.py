@@ -150,6 +150,17 @@ AFTER_CLOSEST = {"to": "nearest", "from": "nearest"}
 VIEWER = ("me", "us", "you", "myself", "yourself", "the viewer", "the robot", "the observer")
 """Anchors that mean where the scene is seen from."""
 
+STRUCTURE = {
+    "floor": "floor",
+    "floors": "floor",
+    "ground": "floor",
+    "wall": "wall",
+    "walls": "wall",
+    "ceiling": "ceiling",
+    "ceilings": "ceiling",
+}
+"""Words for parts of the building -> role of the instance; all other words mean objects."""
+
 PLACES = (
     "room",
     "scene",

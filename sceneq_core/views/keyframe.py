@@ -1,6 +1,6 @@
 """What is kept of a frame: its picture and which places of the map it shows."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -41,6 +41,11 @@ class Keyframe:
             return self.block[:0]
         return self.place[changed[self.place]]
 
+    def moved(self, place_now: Int32) -> "Keyframe":
+        """Return the keyframe with its surfaces where they are by ``place_now`` (P + 1,)."""
+        place = place_now[self.place]
+        return replace(self, place=place, edge_place=_edge(place), block=_blocks(place))
+
 
 def changed_blocks(changed: Bool) -> Bool:
     """Return which blocks of ``BLOCK_PLACES`` hold a changed place."""
@@ -59,8 +64,12 @@ def make_keyframe(frame: Frame, place: Int32) -> Keyframe:
         camera_world=frame.T_world_camera[:3, 3].copy(),
         place=place,
         edge_place=_edge(place),
-        block=np.unique(place[place >= 0] // BLOCK_PLACES),
+        block=_blocks(place),
     )
+
+
+def _blocks(place: Int32) -> Int32:
+    return np.unique(place[place >= 0] // BLOCK_PLACES)
 
 
 def _edge(place: Int32) -> Int32:

@@ -35,6 +35,20 @@ class Places:
         """Start again with voxel ids; places keep their numbers."""
         self._place_of_voxel = np.zeros(0, np.int32)
 
+    def of(self, voxel_id: Int32) -> Int32:
+        """Return the places (M,) of voxel ids (M,), -1 for one that is not known."""
+        known = (voxel_id >= 0) & (voxel_id < len(self._place_of_voxel))
+        place = np.full(len(voxel_id), NO_PLACE, np.int32)
+        place[known] = self._place_of_voxel[voxel_id[known]]
+        return place
+
+    def moves(self, from_place: Int32, to_place: Int32) -> Int32:
+        """Return where the surface at each place is now, int32 (P + 1,); the last one is -1."""
+        now = np.append(np.arange(len(self), dtype=np.int32), np.int32(NO_PLACE))
+        known = (from_place >= 0) & (to_place >= 0)
+        now[from_place[known]] = to_place[known]
+        return now
+
     def learn(self, voxel_id: Int32, voxel_coord: Int32) -> None:
         """Take over that voxel ids (M,) lie at grid coordinates (M, 3)."""
         count = int(voxel_id.max(initial=-1)) + 1

@@ -63,10 +63,13 @@ class ViewSelector:
     def follow(self, delta: MapDelta) -> None:
         """Take over a change of the map, or all of it; raise ``ValueError`` like ``observe``."""
         self._replica.apply(delta)
+        moved_from = self._places.of(delta.moved_from_id)
         if delta.full:
             self._places.forget_voxels()
             self._concerned.update(self._view_sets)
         self._places.learn(delta.voxel_id, delta.voxel_coord)
+        if len(moved_from):
+            self._move(moved_from, self._places.of(delta.moved_to_id))
         self._concerned.update(instance.instance_id for instance in delta.instances)
         self._recount()
 
@@ -114,6 +117,17 @@ class ViewSelector:
             if len(touched):
                 sightings = self._sightings[keyframe.seq]
                 self._concerned |= sightings.update(keyframe, touched, before, now)
+
+    def _move(self, from_place: Int32, to_place: Int32) -> None:
+        """Let keyframes show surfaces where they are since a correction of poses."""
+        place_now = self._places.moves(from_place, to_place)
+        self._instance_of_place = self._places.instance_of_place(self._replica)
+        for keyframe in tuple(self.archive):
+            moved = keyframe.moved(place_now)
+            self.archive.add(moved)
+            sightings = find_sightings(moved, self._instance_of_place)
+            self._concerned.update(self._sightings[moved.seq].visible_px, sightings.visible_px)
+            self._sightings[moved.seq] = sightings
 
     def _forget(self, seq: int) -> None:
         """Drop what was seen in a keyframe that the archive let go of."""

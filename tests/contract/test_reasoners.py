@@ -3,27 +3,44 @@
 import numpy as np
 import pytest
 
-from sceneq_core.reasoning.reasoner import Candidate, Constraint, Problem
+from sceneq_core.reasoning.reasoner import Constraint, LabelProblem, Problem
 from sceneq_nodes._backends import build, kinds
 
+from support.chat_server import chat_server, chooses_first
+from support.seen_things import keyframe, thing
+from support.tiny_vlm import write_tiny_vlm
+
 KINDS = sorted(kinds("reasoner"))
+VIEW = (3, (0.0, 0.0, 9.0, 9.0))
+
+
+@pytest.fixture(scope="module")
+def tiny_vlm(tmp_path_factory):
+    pytest.importorskip("transformers", reason="the kind 'transformers' is an extra")
+    return write_tiny_vlm(tmp_path_factory.mktemp("vlm"))
+
+
+@pytest.fixture(params=KINDS)
+def reasoner(request):
+    """One of every kind, those with a model with one that chooses something."""
+    if request.param == "openai":
+        with chat_server(chooses_first) as chat:
+            yield from opened({"kind": "openai", "base_url": chat.url, "model": "tiny"})
+    elif request.param == "transformers":
+        folder = request.getfixturevalue("tiny_vlm")
+        yield from opened({"kind": "transformers", "model": str(folder), "device": "cpu"})
+    else:
+        yield from opened({"kind": request.param})
+
+
+def opened(spec):
+    built = build("reasoner", spec)
+    yield built
+    built.close()
 
 
 def candidate(instance_id, role, words, p, centre):
-    T_world_box = np.eye(4)
-    T_world_box[:3, 3] = centre
-    return Candidate(
-        instance_id=instance_id,
-        role=role,
-        words=words,
-        label=words,
-        p=p,
-        cosine=p,
-        centre_world=np.array(centre, float),
-        T_world_box=T_world_box,
-        box_size_m=np.array([0.2, 0.2, 0.2]),
-        views=((3, (0.0, 0.0, 9.0, 9.0)),),
-    )
+    return thing(instance_id, p, VIEW, role=role, words=words, centre=centre)
 
 
 def problem(constraints, candidates):
@@ -51,23 +68,38 @@ PROBLEMS = [
 ]
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("posed", PROBLEMS)
-def test_a_verdict_ranks_targets_with_probabilities(kind, posed):
-    verdict = build("reasoner", {"kind": kind}).solve(posed)
-    targets = {c.instance_id for c in posed.candidates if c.role == "target"}
-    ranked = [key for key, _ in verdict.ranking]
-    p = [value for _, value in verdict.ranking]
-    assert set(ranked) <= targets
-    assert len(set(ranked)) == len(ranked)
+LABELS = LabelProblem(4, (("cup", 0.5), ("mug", 0.3), ("lamp", 0.0)), (VIEW,))
+
+
+def check(p, verdict):
     assert p == sorted(p, reverse=True)
     assert all(0.0 <= value <= 1.0 for value in p)
     assert sum(p) <= 1.0 + 1e-9
     assert verdict.reason
     assert verdict.vlm_calls >= 0
+    assert (verdict.usage.tokens_in > 0) == (verdict.vlm_calls > 0)
+    assert verdict.usage.money == 0.0
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_the_same_problem_gets_the_same_verdict(kind):
-    reasoner = build("reasoner", {"kind": kind})
-    assert reasoner.solve(PROBLEMS[2]) == reasoner.solve(PROBLEMS[2])
+@pytest.mark.parametrize("posed", PROBLEMS)
+def test_a_verdict_ranks_targets_with_probabilities(reasoner, posed):
+    verdict = reasoner.solve(posed, keyframe)
+    targets = {c.instance_id for c in posed.candidates if c.role == "target"}
+    ranked = [key for key, _ in verdict.ranking]
+    assert set(ranked) <= targets
+    assert len(set(ranked)) == len(ranked)
+    check([value for _, value in verdict.ranking], verdict)
+
+
+def test_a_label_is_one_of_those_proposed(reasoner):
+    verdict = reasoner.label(LABELS, keyframe)
+    assert sorted(name for name, _ in verdict.ranking) == ["cup", "lamp", "mug"]
+    check([value for _, value in verdict.ranking], verdict)
+    assert sum(value for _, value in verdict.ranking) == pytest.approx(1.0)
+
+
+def test_the_same_problem_gets_the_same_verdict(reasoner):
+    once, twice = (reasoner.solve(PROBLEMS[2], keyframe) for _ in range(2))
+    assert (once.ranking, once.reason) == (twice.ranking, twice.reason)
+    once_named, twice_named = (reasoner.label(LABELS, keyframe) for _ in range(2))
+    assert once_named.ranking == twice_named.ranking

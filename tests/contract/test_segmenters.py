@@ -9,6 +9,8 @@ import pytest
 from sceneq_core.frame import Frame
 from sceneq_nodes._backends import build, kinds
 
+from support.tiny_segmenters import network_spec
+
 KINDS = sorted(kinds("segmenter"))
 SHAPES = [(48, 64), (61, 97), (120, 160), (33, 400), (3, 5), (1, 1)]
 
@@ -29,10 +31,15 @@ def frame_of(shape, seed=5):
     )
 
 
+@pytest.fixture(scope="module")
+def networks(tmp_path_factory):
+    return tmp_path_factory.mktemp("networks")
+
+
 @pytest.fixture
-def segmenter_for(tmp_path):
+def segmenter_for(tmp_path, networks):
     def made(kind, shape):
-        spec = {"kind": kind}
+        spec = {"kind": kind, **network_spec(kind, networks)}
         if kind == "files":
             labels = np.zeros(shape, np.uint16)
             labels[: shape[0] // 2 + 1] = 9

@@ -4,8 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from sceneq_tools.bench import laps as laps_module
 from sceneq_tools.bench import stages as stages_module
 from sceneq_tools.bench.bus import bus
+from sceneq_tools.bench.laps import laps
 from sceneq_tools.bench.measurement import Options
 from sceneq_tools.bench.processes import helper
 from sceneq_tools.bench.query import query
@@ -46,8 +48,23 @@ def test_every_stage_of_a_keyframe_is_measured(options: Options) -> None:
     assert sum(measured[part].value for part in stages_module.PARTS if "mapping" in part) <= (
         measured["mapping"].value
     )
+    assert measured["segmentation, mapping, views"].unit == "keyframes/s"
     assert measured["mapping, last third"].value > 0
     assert measured["memory at most"].value > 50
+
+
+def test_laps_are_mapped_in_a_process_of_their_own(
+    options: Options, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(laps_module, "EARLY", 12)
+    monkeypatch.setattr(laps_module, "LATE", 24)
+    cost, memory = laps(options)
+    assert (cost.name, memory.name) == ("mapping, keyframe 24", "memory of mapping, 10 laps")
+    assert len(cost.series) == len(memory.series) == 120
+    assert cost.value > 0
+    assert memory.value > 50
+    assert memory.ratio is not None
+    assert 0.9 < memory.ratio < 1.5
 
 
 def test_questions_are_measured_beside_a_bare_get(options: Options) -> None:

@@ -250,7 +250,7 @@ def test_a_long_source_does_not_keep_the_node_from_its_inbox(folder: Path, clock
 def test_without_poses_the_odometry_is_named(folder: Path, clock: Clock) -> None:
     node, bus = opened(folder, source={"use_poses": False, "step": 6})
     start(bus, node)
-    assert [p.source for p in bus.sent(POSE)] == ["kiss_icp"] * 2
+    assert [p.source for p in bus.sent(POSE)] == ["depth_icp"] * 2
 
 
 @pytest.mark.parametrize(

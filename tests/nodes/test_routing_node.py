@@ -7,13 +7,17 @@ import msgpack
 import numpy as np
 import pytest
 
-from sceneq_core.mapping.delta import MapDelta
+from sceneq_core.mapping.delta import MapDelta, Place
 from sceneq_core.reasoning.geometric import GeometricParams, GeometricReasoner
-from sceneq_core.reasoning.reasoner import Verdict
+from sceneq_core.reasoning.reasoner import LabelVerdict, Usage, Verdict
 from sceneq_nodes._backends import BACKENDS
 from sceneq_nodes._bus import QueryError, Reply
 from sceneq_nodes._convert import map_delta_message
-from sceneq_nodes._reason_json import problem_from_bytes, verdict_bytes
+from sceneq_nodes._reason_json import (
+    any_problem_from_bytes,
+    problem_from_bytes,
+    verdict_bytes,
+)
 from sceneq_nodes._wire import to_bytes
 from sceneq_nodes.routing import Routing
 from sceneq_schemas.feature import Descriptor, FeatureDelta
@@ -167,6 +171,7 @@ def test_an_instance_comes_with_boxes_and_evidence(bus):
     assert best == {
         "id": 16,
         "label": "lamp",
+        "role": "object",
         "centre": [-2.75, 2.15, 0.8],
         "box_aabb": {"min": [-2.9, 2.0, 0.0], "max": [-2.6, 2.3, 1.6]},
         "box_oriented": {
@@ -174,8 +179,14 @@ def test_an_instance_comes_with_boxes_and_evidence(bus):
             "size": [0.3, 0.3, 1.6],
             "rotation": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         },
+        "supported_by": None,
+        "inside": None,
+        "neighbours": [],
+        "state": "confirmed",
+        "state_since_ns": 0,
         "first_seen_ns": 1_000,
         "last_seen_ns": 9_000,
+        "places": [],
         "views": [
             {
                 "seq": 160,
@@ -184,6 +195,39 @@ def test_an_instance_comes_with_boxes_and_evidence(bus):
             }
         ],
     }
+
+
+def test_an_instance_comes_with_its_place_in_the_scene_graph(bus):
+    things = tuple(instance(i + 1, thing) for i, thing in enumerate(ROOM))
+    cup = replace(things[5], supported_by=5, inside=4, neighbour_id=np.array([9, 10], np.int32))
+    told = (replace(things[0], role="floor"), *things[1:5], cup, *things[6:])
+    bus.deliver(bus.node, MAP_DELTA, map_delta(2, instances=told))
+    best = ask(bus, QUERY_INSTANCES, "red cup", k="1")["instances"][0]
+    assert (best["supported_by"], best["inside"], best["neighbours"]) == (5, 4, [9, 10])
+    floor = ask(bus, QUERY_INSTANCES, "where is the floor?")["instances"]
+    assert [(one["id"], one["role"], one["label"]) for one in floor] == [(1, "floor", "floor")]
+
+
+def test_what_is_tentative_is_not_answered_with_and_what_is_stale_says_so(bus):
+    low, high = np.zeros(3), np.full(3, 0.5)
+    place = Place(high / 2, np.stack((low, high)), from_ns=1_000, until_ns=4_000)
+    things = [instance(i + 1, thing) for i, thing in enumerate(ROOM)]
+    things[15] = replace(things[15], state="stale", state_since_ns=8_000, places=(place,))
+    things[5] = replace(things[5], state="tentative")
+    bus.deliver(bus.node, MAP_DELTA, map_delta(2, instances=tuple(things)))
+    answer = ask(bus, QUERY_INSTANCES, "lamp", k="20")
+    assert 6 not in [one["id"] for one in answer["instances"]]
+    lamp = answer["instances"][0]
+    assert (lamp["id"], lamp["state"], lamp["state_since_ns"]) == (16, "stale", 8_000)
+    assert answer["reason"].endswith("; 16 was looked for there and not found, or in part")
+    assert lamp["places"] == [
+        {
+            "centre": [0.25, 0.25, 0.25],
+            "box_aabb": {"min": [0.0, 0.0, 0.0], "max": [0.5, 0.5, 0.5]},
+            "from_ns": 1_000,
+            "until_ns": 4_000,
+        }
+    ]
 
 
 def test_the_payload_beats_the_parameter(bus):
@@ -368,6 +412,31 @@ def test_without_a_verdict_the_encoder_answers(bus, answer, reason):
     assert told["route"] == "fallback"
     assert told["reason"].startswith(reason)
     assert told["instances"][0]["id"] == 4
+
+
+def test_a_name_may_be_reasoned(bus):
+    def name(request):
+        labels = any_problem_from_bytes(request.payload).labels
+        ranking = ((labels[1][0], 0.9), (labels[0][0], 0.1))
+        return Reply(verdict_bytes(LabelVerdict(ranking, "seen twice", 2, Usage(7, 8, 0.5))), "")
+
+    bus.answer(REASON, name)
+    fast = ask(bus, QUERY_LABEL, id="4")
+    told = ask(bus, QUERY_LABEL, id="4", mode="reason")
+    assert told["labels"][0] == fast["labels"][1] | {"p": 0.9}
+    assert (told["route"], told["reason"]) == ("reasoned", "seen twice")
+    assert told["cost"]["vlm_calls"] == 2
+    assert told["cost"]["tokens"] == {"in": 7, "out": 8}
+    assert told["cost"]["money"] == 0.5
+
+
+@pytest.mark.parametrize("ranking", [(), (("unicorn", 1.0),)])
+def test_a_name_that_was_not_proposed_is_not_taken_over(bus, ranking):
+    bus.answer(REASON, lambda _: Reply(verdict_bytes(LabelVerdict(ranking, "!", 1)), ""))
+    told = ask(bus, QUERY_LABEL, id="4", mode="reason")
+    assert told["route"] == "fallback"
+    assert told["reason"].startswith("verdict: ")
+    assert told["labels"] == ask(bus, QUERY_LABEL, id="4")["labels"]
 
 
 def test_an_empty_map_answers_well_formed(empty):

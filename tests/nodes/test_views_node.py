@@ -120,6 +120,17 @@ def test_a_repeated_frame_is_acknowledged_again_but_not_looked_at(bus, stream):
     assert bus.counters["frames_observed"] == 4
 
 
+def test_a_frame_that_the_map_keeps_out_is_acknowledged_but_not_looked_at(bus, stream):
+    frames, deltas, _ = stream
+    node = opened(bus)
+    out = replace(deltas[1], quarantined="pose jumped: 5.0 m and 0 degrees in 0.1 s")
+    run(bus, node, (frames[:3], [deltas[0], out, deltas[2]], None))
+    assert acknowledged(bus) == [0, 1, 2]
+    assert bus.counters == {"frames_observed": 2, "frames_kept_out": 1}
+    shown = {view.seq for view_set in snapshot(bus).view_sets for view in view_set.views}
+    assert shown <= {0, 2}
+
+
 def test_frames_the_map_never_takes_in_are_let_go_and_counted(bus, stream):
     frames, deltas, _ = stream
     node = opened(bus, ViewsParams(waiting=2))

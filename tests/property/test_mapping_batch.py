@@ -15,7 +15,7 @@ from sceneq_core.mapping.voxels import Voxels
 from support.surfaces import SMALL, room_frames
 
 NOTHING = np.zeros(0, np.int32)
-PARAMS = SuperpointParams(refresh_keyframes=1)
+PARAMS = SuperpointParams(refresh_keyframes=1, min_growth=1.0)
 VIEWS = room_frames(5)
 
 
@@ -69,7 +69,7 @@ def partition_of(voxels, voxel_id):
     inside = voxels.cells.voxels(np.arange(len(voxels.cells), dtype=np.int32))
     part = np.empty(len(voxels), np.int32)
     part[inside] = partition(
-        VoxelFeatures(voxels.coord(inside), voxels.normals_world(inside), voxels.colours(inside)),
+        VoxelFeatures(voxels.coord(inside), *voxels.features(inside)),
         PARAMS,
     )
     return part[voxel_id]

@@ -5,10 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from sceneq_schemas.correction import PoseCorrection
 from sceneq_schemas.feature import Descriptor, FeatureDelta
 from sceneq_schemas.frame import Frame, ImageData, Pose
 from sceneq_schemas.map import Event, Instance, MapDelta, Place
 from sceneq_schemas.mask import Masks
+from sceneq_schemas.proposal import ProposalSet
 from sceneq_schemas.view import View, ViewDelta, ViewSet
 
 T_WORLD_CAMERA = np.array(
@@ -31,7 +33,25 @@ EXAMPLES = (
         T_world_camera=T_WORLD_CAMERA,
     ),
     Pose(seq=8, stamp_ns=-5, T_world_camera=T_WORLD_CAMERA, source="given", keyframe=True),
+    PoseCorrection(
+        epoch=1_700_000_000,
+        seq=1,
+        full=True,
+        frame_seq=30,
+        stamp_ns=1_000,
+        keyframe_seq=np.array([10, 20], np.int64),
+        T_world_camera=np.stack([T_WORLD_CAMERA, np.eye(4)]),
+    ),
     Masks(seq=7, stamp_ns=1_000, label_image=ramp("<u2", 3, 4)),
+    ProposalSet(
+        stamp_ns=1_000,
+        source="mask3d",
+        points_world=ramp("<f4", 4, 3),
+        mask_id=np.array([0, 0, 1], np.int32),
+        point_id=np.array([0, 1, 3], np.int32),
+        score=np.array([0.9, 0.4], np.float32),
+        label=("chair", "door"),
+    ),
     MapDelta(
         epoch=1_700_000_000,
         seq=2,

@@ -4,6 +4,7 @@ import json
 import os
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -11,8 +12,10 @@ import numpy as np
 import pytest
 
 from sceneq_core.ingest.source import Camera
+from sceneq_schemas.frame import Frame
+from sceneq_schemas.mask import Masks
 from sceneq_tools import bench_command, cli
-from sceneq_tools.bench import registry, render, report, stages
+from sceneq_tools.bench import laps, registry, render, report, stages
 from sceneq_tools.bench.codec import CODECS, codec, synthetic_frame
 from sceneq_tools.bench.measurement import (
     Measurement,
@@ -26,6 +29,8 @@ from sceneq_tools.bench.query_server import options_from, text_from
 from sceneq_tools.bench.reference import fixed_work, fixed_work_ms
 from sceneq_tools.bench.stopwatch import Stopwatch
 from sceneq_tools.errors import UserError
+
+from support.messages import EXAMPLES
 
 BRIEF = Options(seconds=0.001, quiet=True)
 Outcome = tuple[int, str, str]
@@ -132,6 +137,22 @@ def test_growth_compares_the_last_third_with_the_first() -> None:
     assert list(stages.growth([1.0, 2.0])) == []
     (growth,) = stages.growth([1.0, 1.0, 9.0, 9.0, 3.0, 3.0])
     assert growth.ratio == 3.0
+
+
+def test_a_pipeline_is_as_quick_as_its_slowest_stage_and_its_cores_allow() -> None:
+    assert stages.pipelined([10.0, 50.0, 20.0]) == pytest.approx(20.0)
+    assert stages.pipelined([60.0, 60.0, 80.0]) == pytest.approx(10.0)
+
+
+def test_laps_go_on_in_time_and_number() -> None:
+    frame, masks = (next(m for m in EXAMPLES if type(m) is kind) for kind in (Frame, Masks))
+    kept = laps.Kept()
+    for seq, stamp_ns in ((3, 100), (5, 300)):
+        kept.frames[seq] = replace(frame, seq=seq, stamp_ns=stamp_ns)
+        kept.masks[seq] = replace(masks, seq=seq, stamp_ns=stamp_ns)
+    played = list(laps.on_and_on(kept, 5))
+    assert [one.seq for one, _ in played] == [3, 5, 6, 8, 9]
+    assert [one.stamp_ns for _, one in played] == [100, 300, 500, 700, 900]
 
 
 def test_every_bench_can_be_loaded() -> None:

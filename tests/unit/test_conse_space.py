@@ -6,12 +6,16 @@ import pytest
 from sceneq_core.encoding.colour import COLOUR_TERMS
 from sceneq_core.encoding.conse import Conse, classifier_input
 from sceneq_core.encoding.dead_leaves import dead_leaves
-from sceneq_core.encoding.joint import CLASSES, DIM, image_vector, text_vector
+from sceneq_core.encoding.joint import CLASSES, dimensions, image_vector, text_vector
 from sceneq_core.encoding.prior import indoor_prior
+from sceneq_core.encoding.probe import Probe
 
 MUG, CHAIR = 504, 559
 NO_PRIOR = np.zeros(CLASSES, np.float32)
 NO_COLOUR = np.zeros(11, np.float32)
+NO_WORDS = np.zeros(CLASSES, np.float32)
+NO_PROBE = np.zeros(0, np.float32)
+DIM = dimensions(0)
 
 
 def peak(index, height=10.0):
@@ -25,7 +29,7 @@ def colour(term):
 
 
 def red_mug():
-    return image_vector(peak(MUG), NO_PRIOR, colour("red"))
+    return image_vector(peak(MUG), NO_PRIOR, NO_PROBE, colour("red"))
 
 
 def test_the_right_class_wins():
@@ -37,8 +41,8 @@ def test_the_right_class_wins():
 def test_a_colour_counts_beside_the_class_and_alone():
     red, blue = (text_vector(peak(MUG, 1.0), colour(c)) for c in ("red", "blue"))
     assert red_mug() @ red > red_mug() @ blue + 0.1
-    assert red_mug() @ text_vector(None, colour("red")) == pytest.approx(0.2, abs=0.01)
-    assert red_mug() @ text_vector(None, colour("blue")) == pytest.approx(0, abs=1e-6)
+    assert red_mug() @ text_vector(NO_WORDS, colour("red")) == pytest.approx(0.2, abs=0.01)
+    assert red_mug() @ text_vector(NO_WORDS, colour("blue")) == pytest.approx(0, abs=1e-6)
 
 
 def test_without_colour_words_the_colour_part_is_zero():
@@ -49,18 +53,18 @@ def test_a_text_no_class_can_say_is_far_from_every_image():
     vague = text_vector(np.full(CLASSES, 0.3, np.float32), NO_COLOUR)
     assert vague[CLASSES] > 0.9
     assert abs(red_mug() @ vague) < 0.05
-    assert text_vector(None, NO_COLOUR)[CLASSES] == 1.0
+    assert text_vector(NO_WORDS, NO_COLOUR)[CLASSES] == 1.0
 
 
 def test_what_every_crop_shows_says_nothing():
     prior = peak(CHAIR, 5.0)
-    vector = image_vector(peak(CHAIR, 5.0) + peak(MUG), prior, colour("red"))
+    vector = image_vector(peak(CHAIR, 5.0) + peak(MUG), prior, NO_PROBE, colour("red"))
     assert vector @ text_vector(peak(CHAIR, 1.0), NO_COLOUR) < 0.05
 
 
 def test_equal_logits_leave_the_colour_only():
-    vector = image_vector(NO_PRIOR, NO_PRIOR, colour("red"))
-    assert vector @ text_vector(None, colour("red")) == pytest.approx(1)
+    vector = image_vector(NO_PRIOR, NO_PRIOR, NO_PROBE, colour("red"))
+    assert vector @ text_vector(NO_WORDS, colour("red")) == pytest.approx(1)
 
 
 def test_the_prior_is_a_thousand_centred_numbers():
@@ -90,8 +94,9 @@ def test_texts_are_embedded_once():
     conse = Conse(
         classify=lambda image: (peak(MUG), np.ones(1280, np.float32)),
         embed=embed,
-        class_vectors=lambda: np.eye(CLASSES, dtype=np.float32),
+        name_vectors=lambda: np.eye(CLASSES, dtype=np.float32),
         prior=NO_PRIOR,
+        probe=Probe((), np.zeros((1280, 0), np.float32), np.zeros(0, np.float32)),
         side_px=260,
         text_cache=8,
     )

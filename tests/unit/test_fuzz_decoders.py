@@ -12,13 +12,24 @@ import numpy as np
 import pytest
 
 from sceneq_core.frame import Frame
-from sceneq_core.reasoning.reasoner import Candidate, Constraint, Problem, Verdict
+from sceneq_core.reasoning.reasoner import (
+    Candidate,
+    Constraint,
+    LabelProblem,
+    LabelVerdict,
+    Problem,
+    Usage,
+    Verdict,
+)
 from sceneq_nodes._ask import read_ask
 from sceneq_nodes._bus import QueryError, Request
 from sceneq_nodes._convert import map_delta_from_message, view_set_from_message
 from sceneq_nodes._images import array_from_image, frame_from_message, frame_message, image_data
 from sceneq_nodes._queries import error_bytes, error_from_bytes, parse_parameters
 from sceneq_nodes._reason_json import (
+    any_problem_from_bytes,
+    label_problem_bytes,
+    label_verdict_from_bytes,
     problem_bytes,
     problem_from_bytes,
     verdict_bytes,
@@ -129,6 +140,7 @@ PROBLEM = Problem(
     up_world=np.array([0.0, 0.0, 1.0]),
     viewpoint_world=np.zeros(3),
 )
+LABEL_PROBLEM = LabelProblem(3, (("mug", 0.5), ("cup", 0.25)), ((7, (1.0, 2.0, 9.0, 8.0)),), 2.5)
 TAKE_ANYTHING = ("every topic", "ask", "query")
 DECODERS: dict[str, tuple[Decoder, list[bytes]]] = {
     "frame raw": (decode_frame, [encode(frame_message(FRAME, "raw", "raw"))]),
@@ -142,6 +154,11 @@ DECODERS: dict[str, tuple[Decoder, list[bytes]]] = {
     "every topic": (decode_any_topic, [encode(m) for m in EXAMPLES]),
     "json": (lambda data: from_bytes(HEALTH, data), [b'{"node":"a","x":[1,2.5,null,"\xc3\xbc"]}']),
     "problem": (problem_from_bytes, [problem_bytes(PROBLEM)]),
+    "label problem": (any_problem_from_bytes, [label_problem_bytes(LABEL_PROBLEM)]),
+    "label verdict": (
+        label_verdict_from_bytes,
+        [verdict_bytes(LabelVerdict((("mug", 0.5),), "it is", 3, Usage(900, 8, 0.01)))],
+    ),
     "verdict": (verdict_from_bytes, [verdict_bytes(Verdict(((3, 0.5), (4, 0.25)), "it is", 1))]),
     "ask": (decode_ask, [b'{"q":"red mug","k":3}', msgpack.packb({"q": "mug", "k": 3})]),
     "query": (decode_query, [error_bytes(QueryError("a", "b", "c", 5)), b"q=red%20mug;k=5;%C3%BC"]),

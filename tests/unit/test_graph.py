@@ -150,6 +150,21 @@ def test_a_missing_file_is_told(tmp_path: Path) -> None:
         load(tmp_path / "nowhere.yaml")
 
 
+def test_both_encoders_of_a_change_are_checked(tmp_path: Path) -> None:
+    text = """\
+nodes:
+  - id: routing
+    params:
+      encoder: {kind: onnx, model: towers, bach: 2}
+      meanwhile: {kind: conze}
+"""
+    assert problems(tmp_path, text) == [
+        "graph.yaml:4: nodes.routing.params.encoder.bach: unknown key (did you mean 'batch'?)",
+        "graph.yaml:5: nodes.routing.params.meanwhile.kind: unknown kind, got 'conze' "
+        "(did you mean 'conse'?)",
+    ]
+
+
 def test_an_option_goes_over_every_node_of_its_kind(tmp_path: Path) -> None:
     over = [
         Override("idle", ("source", "path"), "/data", "--source"),

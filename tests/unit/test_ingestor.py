@@ -10,8 +10,11 @@ import pytest
 from sceneq_core.frame import depth_to_mm
 from sceneq_core.ingest.ingestor import Ingested, Ingestor
 from sceneq_core.ingest.keyframes import EveryNth, EveryNthParams
+from sceneq_core.ingest.pose_graph import PoseGraph, PoseGraphParams
+from sceneq_core.ingest.shading import Shading
 from sceneq_core.ingest.source import Camera, RawFrame, RefusedError, Skipped
 from sceneq_core.ingest.trajectory import color_trajectory
+from sceneq_core.ingest.transforms import inverse
 
 from support.seven_scenes import SIZE, K, color, depth_mm, pose
 
@@ -55,7 +58,10 @@ class Sideways:
     def __init__(self) -> None:
         self.calls = 0
 
-    def register(self, depth_mm: np.ndarray, K: np.ndarray, stamp_ns: int) -> np.ndarray | None:
+    def register(
+        self, depth_mm: np.ndarray, K: np.ndarray, stamp_ns: int, shading: Shading | None = None
+    ) -> np.ndarray | None:
+        assert shading is not None
         self.calls += 1
         return pose(100) if self.calls % 3 else None
 
@@ -103,7 +109,53 @@ def test_frames_without_pose_ask_the_odometry() -> None:
     assert isinstance(good, Ingested)
     assert good.pose_source == "sideways"
     np.testing.assert_allclose(good.T_world_camera, pose(100))
-    assert lost == Skipped(2, "sideways", "no pose: too little depth")
+    assert lost == Skipped(2, "sideways", "no pose: tracking lost, or too little depth")
+
+
+class Shifting(PoseGraph):
+    """A graph that puts every keyframe 1 m up, and the first one 2 m as soon as it has two."""
+
+    def __init__(self) -> None:
+        super().__init__(PoseGraphParams())
+        self.seqs: list[int] = []
+
+    def __len__(self) -> int:
+        return 0
+
+    def pose(self, T_odometry_camera: np.ndarray) -> np.ndarray:
+        return up(T_odometry_camera, 0.5)
+
+    def add(self, seq: int, T_odometry_camera: np.ndarray, *_: Any) -> np.ndarray:
+        self.seqs.append(seq)
+        return up(T_odometry_camera, 1.0)
+
+    def corrections(self) -> dict[int, np.ndarray]:
+        return {self.seqs[0]: up(pose(100), 2.0)} if len(self.seqs) == 2 else {}
+
+
+def up(T_world_camera: np.ndarray, height_m: float) -> np.ndarray:
+    lifted = T_world_camera.copy()
+    lifted[1, 3] -= height_m
+    return lifted
+
+
+def test_the_graph_corrects_keyframes_and_says_what_it_knows_better() -> None:
+    source = Memory(has_poses=False)
+    source.T_color_depth = np.eye(4)
+    source.T_color_depth[:3, 3] = (-0.02, 0.01, 0)
+    T_depth_color = inverse(source.T_color_depth)
+    ingestor = Ingestor(source, every(2), Sideways(), Shifting())
+    results = [ingestor.ingest(source.frame(i)) for i in (0, 1, 3, 4)]
+    first, between, lost, second = results
+    assert isinstance(lost, Skipped)
+    assert [bool(r.keyframe) for r in (first, between, second)] == [True, False, True]
+    for result, height_m in ((first, 1.0), (between, 0.5), (second, 1.0)):
+        expected = up(pose(100), height_m) @ T_depth_color
+        np.testing.assert_allclose(result.T_world_camera, expected)
+    np.testing.assert_array_equal(second.keyframe.T_world_camera, second.T_world_camera)
+    assert not first.corrected
+    assert list(second.corrected) == [0]
+    np.testing.assert_allclose(second.corrected[0], up(pose(100), 2.0) @ T_depth_color)
 
 
 def test_without_poses_and_odometry_it_does_not_start() -> None:

@@ -5,11 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sceneq_core.mapping.association import GroupChange
 from sceneq_core.mapping.boxes import box_around
 from sceneq_core.mapping.digest import map_digest
 from sceneq_core.mapping.mapper import Mapper, MapperParams
-from sceneq_core.mapping.registry import Members, Registry, RegistryParams
 from sceneq_core.mapping.replica import MapReplica
 
 from support.room import THINGS
@@ -133,7 +131,7 @@ def test_a_wrong_size_or_pose_is_refused_and_leaves_the_map_as_it_was():
     far = frame.T_world_camera.copy()
     far[0, 3] = 1e6
     with pytest.raises(ValueError, match="voxel coordinate outside"):
-        mapper.integrate(replace(frame, T_world_camera=far), instance)
+        Mapper(SMALL).integrate(replace(frame, T_world_camera=far), instance)
     assert digest(mapper.snapshot()) == before
 
 
@@ -174,62 +172,3 @@ def test_the_oriented_box_stands_along_gravity_whatever_the_world():
     box = box_around(points, np.array([0.0, -1.0, 0.0]))
     assert box.box_size_m == pytest.approx([1.0, 0.4, 0.2], abs=1e-4)
     assert box.aabb_world[1] - box.aabb_world[0] == pytest.approx(np.ptp(points, axis=0))
-
-
-class Lives:
-    """A registry whose groups have as many voxels as told."""
-
-    def __init__(self, **params):
-        self.registry = Registry(RegistryParams(**params))
-        self.size = {}
-        self.stamp_ns = 0
-
-    def members(self, group):
-        size = self.size.get(group, 0)
-        points = np.linspace(0, 1, 3 * size, dtype=np.float32).reshape(-1, 3)
-        return Members(np.arange(min(size, 1), dtype=np.int32), points)
-
-    def show(self, *seen, founded=(), merged=(), **size):
-        self.size |= {int(name[1:]): count for name, count in size.items()}
-        self.stamp_ns += 1
-        groups = np.array(sorted({*seen, *(a for a, _ in merged)}), np.int32)
-        change = GroupChange(groups, np.array(seen, np.int32), tuple(founded), tuple(merged))
-        news = self.registry.update(change, self.members, self.stamp_ns, UP)
-        return [(i.instance_id, i.state, i.merged_into) for i in news]
-
-
-def test_an_instance_needs_views_and_voxels():
-    lives = Lives(min_views=2, min_voxels=10)
-    assert lives.show(0, 1, founded=[(0, -1), (1, -1)], g0=20, g1=5) == []
-    assert lives.show(0, 1) == [(1, "confirmed", 0)]
-    assert lives.show(1, g1=10) == [(2, "confirmed", 0)]
-    instance = lives.registry.instances[2]
-    assert (instance.first_seen_ns, instance.last_seen_ns, instance.voxel_count) == (1, 3, 10)
-
-
-def test_an_instance_that_shrinks_to_nothing_ends_and_its_id_is_not_given_again():
-    lives = Lives(min_views=1, min_voxels=10)
-    lives.show(0, founded=[(0, -1)], g0=20)
-    assert lives.show(0, g0=6) == [(1, "confirmed", 0)]
-    assert lives.show(0, g0=0) == [(1, "removed", 0)]
-    assert lives.show(0, founded=[(0, -1)], g0=20) == [(2, "confirmed", 0)]
-
-
-def test_a_merge_keeps_the_older_id():
-    lives = Lives(min_views=1, min_voxels=10)
-    lives.show(0, 1, founded=[(0, -1), (1, -1)], g0=20, g1=30)
-    assert lives.show(1, merged=[(0, 1)], g0=0, g1=50) == [(1, "confirmed", 0), (2, "removed", 1)]
-    assert sorted(lives.registry.instances) == [1]
-
-
-def test_a_split_names_its_parent():
-    lives = Lives(min_views=1, min_voxels=10)
-    lives.show(0, founded=[(0, -1)], g0=20)
-    lives.show(1, founded=[(1, 0)], g1=20)
-    assert lives.registry.instances[2].parent == 1
-
-
-@pytest.mark.parametrize("field", ["min_views", "min_voxels"])
-def test_a_bad_registry_parameter_is_named(field):
-    with pytest.raises(ValueError, match=f"^{field}: "):
-        RegistryParams(**{field: 0})

@@ -36,6 +36,13 @@ def test_a_removed_instance_owns_nothing(replica):
     assert replica.instance_of_voxel().tolist() == [0, 0, 0, 0]
 
 
+def test_a_tentative_instance_is_known_but_owns_nothing_until_it_is_confirmed(replica):
+    for state, owners in (("tentative", [7, 7, 0, 0]), ("confirmed", [7, 7, 8, 0])):
+        replica.apply(delta(instances=(instance(8, [1], state=state),)))
+        assert sorted(replica.instances) == [7, 8]
+        assert replica.instance_of_voxel().tolist() == owners
+
+
 def test_an_instance_may_come_before_its_voxels(replica):
     replica.apply(delta(instances=(instance(9, [5]),)))
     replica.apply(delta(**voxels([4], [5])))

@@ -232,3 +232,47 @@ def test_thresholds_are_checked():
         JudgeParams(min_claim=2.0)
     strict = router(RouterParams(judge=replace(JudgeParams(), min_claim=1.0)))
     assert strict.answer(SURE, strict.read("lamp")).answer.status == "ambiguous"
+
+
+def with_structure():
+    """The furnished room whose map knows what its floor and its wall are."""
+    known = furnish()
+    structure = {1: "floor", 2: "wall"}
+    roles = [
+        replace(instance(i + 1, thing), role=structure.get(i + 1, "object"))
+        for i, thing in enumerate(ROOM)
+    ]
+    known.apply_map(Revision(5, 13, 120, 9_500), roles, np.array([0.0, 0.0, 1.0]), full=False)
+    return known.snapshot()
+
+
+@pytest.mark.parametrize(("text", "expected"), [("where is the floor?", 1), ("the wall", 2)])
+def test_parts_of_the_building_are_found_by_their_role(text, expected):
+    routed = route(text, with_structure())
+    assert routed.answer.status == "found"
+    assert [m.instance.instance_id for m in routed.answer.matches] == [expected]
+    assert routed.answer.matches[0].instance.label.name == ROOM[expected - 1].name
+
+
+@pytest.mark.parametrize("text", ["couch", "chair", "what is on the coffee table?"])
+def test_structure_is_kept_out_of_answers_about_objects(text):
+    routed = route(text, with_structure())
+    told = {m.instance.instance_id for m in routed.answer.matches}
+    asked = {c.instance_id for c in routed.problem.candidates if c.role == "target"}
+    assert told
+    assert asked
+    assert not (told | asked) & {1, 2}
+
+
+def test_the_floor_may_be_an_anchor():
+    routed = route("the box on the floor", with_structure())
+    anchors = [c.instance_id for c in routed.problem.candidates if c.role == "anchor"]
+    assert anchors == [1]
+
+
+def test_a_map_of_structure_alone_has_no_objects():
+    known = furnish()
+    walls = [replace(instance(i + 1, thing), role="wall") for i, thing in enumerate(ROOM)]
+    known.apply_map(Revision(5, 13, 120, 9_500), walls, np.array([0.0, 0.0, 1.0]), full=False)
+    assert route("couch", known.snapshot()).answer.status == "not_found"
+    assert route("what is on the couch?", known.snapshot()).answer.matches == ()

@@ -5,7 +5,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sceneq_core.mapping.ids import Ids
-from sceneq_core.mapping.rows import distinct, first_of_each, marked, with_rows
+from sceneq_core.mapping.rows import (
+    counted,
+    distinct,
+    first_of_each,
+    marked,
+    put_rows,
+    runs,
+    with_rows,
+)
 from sceneq_core.vectors import unit_rows
 
 
@@ -55,3 +63,20 @@ def test_the_first_in_order_stands_for_its_key():
 
 def test_unit_rows_keep_direction_and_zero():
     assert unit_rows(np.array([[3.0, 0, 4.0], [0, 0, 0]])).tolist() == [[0.6, 0, 0.8], [0, 0, 0]]
+
+
+def test_rows_are_put_where_they_belong_and_runs_are_found():
+    table = np.zeros((4, 3))
+    put_rows(table, ids(3, 1), np.array([[1.0, 2, 3], [4, 5, 6]]))
+    assert table.tolist() == [[0, 0, 0], [4, 5, 6], [0, 0, 0], [1, 2, 3]]
+    first, of_row = runs(np.array([[1, 2], [1, 2], [1, 3], [1, 2]]))
+    assert first.tolist() == [0, 2, 3]
+    assert of_row.tolist() == [0, 0, 1, 2]
+    assert runs(np.zeros((0, 3), np.int32))[1].shape == (0,)
+
+
+@given(st.lists(st.integers(0, 5), max_size=30))
+def test_keys_are_counted_like_unique_does(keys):
+    value, count = counted(np.array(keys, np.int64))
+    wanted = np.unique(np.array(keys, np.int64), return_counts=True)
+    assert (value.tolist(), count.tolist()) == (wanted[0].tolist(), wanted[1].tolist())

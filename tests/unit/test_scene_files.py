@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sceneq_tools.errors import UserError
-from sceneq_tools.scene_files import read_scene
+from sceneq_tools.scene_files import read_scene, scene_graph
 from sceneq_tools.scene_picture import box_corners, scene_picture, write_png
 from sceneq_tools.view_command import asked, marks_of_answer, marks_of_ids, parsed_size, run
 
@@ -115,3 +115,19 @@ def test_a_scene_without_points_cannot_be_drawn(folder: Path) -> None:
     )
     with pytest.raises(UserError, match="no points"):
         scene_picture(empty, document)
+
+
+def test_the_scene_graph_is_told_by_ids() -> None:
+    records = [
+        {"id": 1, "role": "floor"},
+        {"id": 2, "role": "wall"},
+        {"id": 3, "role": "object", "supported_by": 1, "inside": None},
+        {"id": 4, "role": "object", "supported_by": 3, "inside": 3},
+        {"id": 5, "role": "object", "supported_by": None},
+    ]
+    assert scene_graph(records) == {
+        "structure": {"floor": [1], "wall": [2]},
+        "carries": {"1": [3], "3": [4]},
+        "contains": {"3": [4]},
+        "unsupported": [5],
+    }

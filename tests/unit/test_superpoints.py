@@ -9,7 +9,7 @@ from sceneq_core.mapping.voxels import Voxels
 
 from support.surfaces import patch, surface
 
-PARAMS = SuperpointParams(refresh_keyframes=1)
+PARAMS = SuperpointParams(refresh_keyframes=1, min_growth=1.0)
 NOTHING = np.zeros(0, np.int32)
 
 
@@ -78,7 +78,7 @@ def test_ids_stay_when_the_surface_grows_and_new_surface_gets_new_ids():
     assert set(superpoints.of(touched.voxel_id)) == {0}
     assert change.new_id.tolist() == [1]
     assert change.gone_id.tolist() == []
-    assert superpoints.voxels(voxels, np.array([0], np.int32)).tolist() == list(range(40)) + [
+    assert superpoints.voxels(np.array([0], np.int32)).tolist() == list(range(40)) + [
         voxel for voxel in range(40, len(voxels)) if superpoints.of(np.array([voxel])) == 0
     ]
 
@@ -117,6 +117,7 @@ def test_a_settled_cell_waits_for_its_turn():
         ({"max_colour": 0.0}, "max_colour"),
         ({"min_voxels": 0}, "min_voxels"),
         ({"refresh_keyframes": 0}, "refresh_keyframes"),
+        ({"min_growth": 0.5}, "min_growth"),
     ],
 )
 def test_a_bad_parameter_is_named(values, field):

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sceneq_core.ingest.trajectory import align, position_rmse_m, trajectory_report
+from sceneq_core.ingest.trajectory import (
+    align,
+    corrected_trajectory,
+    position_rmse_m,
+    trajectory_report,
+)
 
 RNG = np.random.default_rng(5)
 POINTS = RNG.normal(size=(40, 3))
@@ -56,3 +61,12 @@ def test_two_poses_cannot_be_aligned() -> None:
     line = poses(POINTS)
     with pytest.raises(ValueError, match="only 2 frames"):
         trajectory_report(line[:2], line)
+
+
+def test_frames_move_along_with_the_keyframe_before_them() -> None:
+    told = poses(np.arange(15.0).reshape(5, 3))
+    shifted = told[2][1].copy()
+    shifted[0, 3] += 7.0
+    result = dict(corrected_trajectory(told, [0, 4, 8], {4: shifted}))
+    moved_by = [result[seq][0, 3] - T[0, 3] for seq, T in told]
+    assert moved_by == [0.0, 0.0, 7.0, 7.0, 0.0]

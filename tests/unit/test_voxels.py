@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sceneq_core.mapping.free_space import FreeSpaceParams, clear_free_space
+from sceneq_core.mapping.free_space import FreeSpaceParams, find_seen_through
 from sceneq_core.mapping.surface import SurfaceParams, measure_surface
 from sceneq_core.mapping.voxels import Voxels
 
@@ -47,37 +47,33 @@ def test_opposite_normals_cancel_to_zero_not_to_nan():
     assert voxels.normals_world(touched.voxel_id).tolist() == [[0.0, 0.0, 0.0]]
 
 
-def see(voxels, depth_m, params, times=1):
-    gone = [clear_free_space(voxels, flat_frame(depth_m), NOTHING, params) for _ in range(times)]
-    return [ids.tolist() for ids in gone]
+def seen_through(voxels, depth_m, touched=NOTHING):
+    return find_seen_through(voxels, touched, flat_frame(depth_m), FreeSpaceParams()).tolist()
 
 
-def test_what_the_camera_looks_through_in_enough_views_is_gone():
+def test_what_the_camera_looks_through_is_before_the_surface_it_measures():
     voxels = Voxels(0.02)
     near = voxels.integrate(surface(patch((-0.1, 0.1), (-0.1, 0.1), 1.0))).voxel_id
     wall = voxels.integrate(surface(patch((-0.1, 0.1), (-0.1, 0.1), 2.0))).voxel_id
-    params = FreeSpaceParams(min_views=3)
-    assert see(voxels, 2.0, params, times=3) == [[], [], near.tolist()]
-    assert voxels.occupied(wall).tolist() == wall.tolist()
+    assert seen_through(voxels, 2.0) == near.tolist()
+    assert seen_through(voxels, 4.0) == sorted([*near.tolist(), *wall.tolist()])
 
 
-def test_a_voxel_seen_in_between_stays():
+def test_what_was_touched_or_is_empty_is_not_looked_through():
     voxels = Voxels(0.02)
-    sheet = surface(patch((-0.1, 0.1), (-0.1, 0.1), 1.0))
-    params = FreeSpaceParams(min_views=2)
-    for _ in range(3):
-        voxels.integrate(sheet)
-        assert see(voxels, 2.0, params) == [[]]
+    near = voxels.integrate(surface(patch((-0.1, 0.1), (-0.1, 0.1), 1.0))).voxel_id
+    assert seen_through(voxels, 2.0, touched=near[10:]) == near[:10].tolist()
+    voxels.clear(near[:5])
+    assert seen_through(voxels, 2.0, touched=near[10:]) == near[5:10].tolist()
 
 
-def test_holes_noise_and_what_is_out_of_view_clear_nothing():
+def test_holes_noise_and_what_is_out_of_view_are_not_looked_through():
     voxels = Voxels(0.02)
     voxels.integrate(surface(patch((-0.1, 0.1), (-0.1, 0.1), 1.0)))
     voxels.integrate(surface(patch((2.0, 2.2), (-0.1, 0.1), 1.0)))
     voxels.integrate(surface(patch((-0.1, 0.1), (-0.1, 0.1), -1.0)))
-    params = FreeSpaceParams(min_views=1)
-    assert see(voxels, 0.0, params) == [[]]
-    assert see(voxels, 1.05, params) == [[]]
+    assert seen_through(voxels, 0.0) == []
+    assert seen_through(voxels, 1.05) == []
 
 
 def test_points_normals_and_trust_of_a_tilted_plane():
@@ -122,7 +118,6 @@ def test_an_empty_depth_image_gives_an_empty_surface():
         (SurfaceParams, {"min_cosine": 1.0}, "min_cosine"),
         (FreeSpaceParams, {"margin_m": 0.0}, "margin_m"),
         (FreeSpaceParams, {"noise_per_m": -1.0}, "noise_per_m"),
-        (FreeSpaceParams, {"min_views": 0}, "min_views"),
         (FreeSpaceParams, {"max_depth_m": 0.0}, "max_depth_m"),
     ],
 )

@@ -3,11 +3,17 @@
 from sceneq_tools.batch import Batch
 from sceneq_tools.bench.measurement import Options
 from sceneq_tools.errors import UserError
+from sceneq_tools.graph_plan import Plan
 from sceneq_tools.progress import progress
 
 
 def open_batch(options: Options) -> Batch:
-    """Return the graph on ``options.source``, before its first frame.
+    """Return the graph on ``options.source``, before its first frame; raise like ``open_plan``."""
+    return Batch(open_plan(options))
+
+
+def open_plan(options: Options) -> Plan:
+    """Return what to run on ``options.source``.
 
     Raises:
         UserError: no source, or one that cannot be read.
@@ -22,7 +28,7 @@ def open_batch(options: Options) -> Batch:
     overrides = source_overrides(options.source, None, 0.0, None, False, False, None)
     loaded, document = load(options.graph or default_path(), overrides)
     check_nodes(loaded, document)
-    return Batch(plan(loaded, document, "local"))
+    return plan(loaded, document, "local")
 
 
 def play(batch: Batch, options: Options) -> int:

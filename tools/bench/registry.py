@@ -12,9 +12,10 @@ BENCHES: Mapping[str, str] = {
     "bus": "sceneq_tools.bench.bus:bus",
     "render": "sceneq_tools.bench.render:render",
     "stages": "sceneq_tools.bench.stages:stages",
+    "laps": "sceneq_tools.bench.laps:laps",
     "query": "sceneq_tools.bench.query:query",
 }
-NEED_SOURCE = frozenset({"stages", "query"})
+NEED_SOURCE = frozenset({"stages", "laps", "query"})
 
 
 def load(name: str) -> Bench:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sceneq_tools.evaluation.calibration import Scene
+from sceneq_tools.evaluation.recording_pictures import pictures_of
 from sceneq_tools.evaluation.retrieval import Retrieval, evaluate_retrieval, merged
 from sceneq_tools.evaluation.retrieval_asking import MODES
 from sceneq_tools.evaluation.retrieval_setup import Setup
@@ -35,7 +36,11 @@ def evaluate_ablation(scenes: Sequence[Scene], setup: Setup) -> Ablation:
                     result
                     for scene in scenes
                     for result in evaluate_retrieval(
-                        scene.candidates, scene.questioned.queries, setup, reasoning
+                        scene.candidates,
+                        scene.questioned.queries,
+                        setup,
+                        reasoning,
+                        pictures_of(scene.questioned.folder),
                     )
                 ]
             )

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sceneq_core.mapping.delta import OBJECT
 from sceneq_tools.evaluation.predictions import PredictedCloud
 from sceneq_tools.evaluation.truth import Truth, truth_of_things
 from sceneq_tools.evaluation.vocabulary import Names
@@ -22,7 +23,8 @@ def read_predicted_map(folder: Path, constant_score: bool = False) -> PredictedC
     """Return the instances of a map; their score is the p of their label.
 
     With ``constant_score`` all are equally sure, as peers without a confidence export them. An
-    instance that has points but no record has no name, and score 0.
+    instance that has points but no record has no name, and score 0. Floor, walls and ceiling are
+    no predictions: they are what the truth calls stuff.
 
     Raises:
         UserError: the folder is not complete.
@@ -30,7 +32,8 @@ def read_predicted_map(folder: Path, constant_score: bool = False) -> PredictedC
     cloud, document = read_scene(folder)
     instance_id = cloud.instance_id.astype(np.int64)
     records = {int(record["id"]): record for record in document["instances"]}
-    ids = np.unique(instance_id[instance_id > 0])
+    structure = [i for i, record in records.items() if record.get("role", OBJECT) != OBJECT]
+    ids = np.setdiff1d(instance_id[instance_id > 0], structure)
     found = [records.get(int(one), {}) for one in ids]
     return PredictedCloud(
         source=str(folder),

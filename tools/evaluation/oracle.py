@@ -96,9 +96,7 @@ def oracle(folder: Path, setup: Setup, advance: Advance) -> Oracle:
     """
     things = read_things(folder / THINGS_FILE)
     instances = _instances(folder, [thing for thing in things if is_candidate(thing)])
-    selector = ViewSelector(setup.views, TruePlaces(folder, things))
-    selector.follow(_map(instances))
-    last = _look(folder, setup, selector)
+    selector, last = _see(folder, setup, things, instances)
     scene = Scene(setup.router.labeller)
     scene.apply_map(Revision(EPOCH, 1, last.seq, last.stamp_ns), instances, UP_WORLD, full=True)
     view_sets = selector.view_sets()
@@ -108,6 +106,21 @@ def oracle(folder: Path, setup: Setup, advance: Advance) -> Oracle:
     scene.move_viewpoint(last.T_world_camera[:3, 3])
     snapshot = scene.snapshot()
     return Oracle(snapshot, tuple(one.instance_id for one in snapshot.waiting))
+
+
+def true_views(folder: Path, setup: Setup) -> ViewSelector:
+    """Return the views of every true thing, with their images; raises as ``oracle`` does."""
+    things = read_things(folder / THINGS_FILE)
+    instances = _instances(folder, [thing for thing in things if is_candidate(thing)])
+    return _see(folder, setup, things, instances)[0]
+
+
+def _see(
+    folder: Path, setup: Setup, things: Sequence[TrueThing], instances: Sequence[Instance]
+) -> tuple[ViewSelector, Ingested]:
+    selector = ViewSelector(setup.views, TruePlaces(folder, things))
+    selector.follow(_map(instances))
+    return selector, _look(folder, setup, selector)
 
 
 def _look(folder: Path, setup: Setup, selector: ViewSelector) -> Ingested:

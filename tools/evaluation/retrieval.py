@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from sceneq_core.evaluation.ranking import hit_at
+from sceneq_core.reasoning.reasoner import Pictures, no_pictures
 from sceneq_core.routing.answer import FALLBACK, FAST, REASONED
 from sceneq_tools.evaluation.retrieval_asking import SELECTIVE, Answered, Asking
 from sceneq_tools.evaluation.retrieval_candidates import Candidates, Matches
@@ -82,10 +83,17 @@ class Retrieval:
 
 
 def evaluate_retrieval(
-    candidates: Candidates, queries: Sequence[Query], setup: Setup, reasoning: str = SELECTIVE
+    candidates: Candidates,
+    queries: Sequence[Query],
+    setup: Setup,
+    reasoning: str = SELECTIVE,
+    pictures: Pictures = no_pictures,
 ) -> tuple[Retrieval, ...]:
-    """Ask all ``queries`` once and score the answers by every rule of the candidates."""
-    answers = Asking(setup, candidates.snapshot).ask_all(queries, reasoning)
+    """Ask all ``queries`` once and score the answers by every rule of the candidates.
+
+    ``pictures`` are the frames of the recording, for a reasoner that looks.
+    """
+    answers = Asking(setup, candidates.snapshot, pictures).ask_all(queries, reasoning)
     return tuple(
         Retrieval(
             candidates=candidates.name,

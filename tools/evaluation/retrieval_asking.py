@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sceneq_core.reasoning.reasoner import Problem, Verdict
+from sceneq_core.reasoning.reasoner import Pictures, Problem, Verdict, no_pictures
 from sceneq_core.routing.answer import FALLBACK, FAST, FOUND, NOT_FOUND, REASONED
 from sceneq_core.routing.router import MAX_MATCHES
 from sceneq_core.routing.scene import SceneSnapshot
@@ -61,12 +61,15 @@ class Answered:
 
 
 class Asking:
-    """Asks about one snapshot."""
+    """Asks about one snapshot; ``pictures`` are for a reasoner that looks."""
 
-    def __init__(self, setup: Setup, snapshot: SceneSnapshot) -> None:
+    def __init__(
+        self, setup: Setup, snapshot: SceneSnapshot, pictures: Pictures = no_pictures
+    ) -> None:
         look = Look(snapshot, time.monotonic())
         self._router = setup.router
         self._reasoner = setup.reasoner
+        self._pictures = pictures
         self._door = FrontDoor(SCENE, setup.router, lambda: look, self._reason, dict)
         self._read_ms = setup.read_ms
 
@@ -108,5 +111,6 @@ class Asking:
         return self._read_ms[text]
 
     def _reason(self, problem: Problem) -> Verdict:
-        verdict = self._reasoner.solve(problem_from_bytes(problem_bytes(problem)))
+        problem = problem_from_bytes(problem_bytes(problem))
+        verdict = self._reasoner.solve(problem, self._pictures)
         return verdict_from_bytes(verdict_bytes(verdict))

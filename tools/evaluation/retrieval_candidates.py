@@ -10,7 +10,7 @@ import numpy as np
 from sceneq_core.arrays import Float64
 from sceneq_core.evaluation.mask_iou import mask_iou
 from sceneq_core.ingest.source import Skipped
-from sceneq_core.mapping.delta import Instance
+from sceneq_core.mapping.delta import CONFIRMED, OBJECT, Instance
 from sceneq_core.routing.scene import Revision, Scene, SceneSnapshot, ViewRef
 from sceneq_nodes._ingesting import IngestSpecs, open_source
 from sceneq_tools.errors import UserError
@@ -94,7 +94,7 @@ def _instance(record: Mapping[str, Any]) -> Instance:
     T_world_box[:3, 3] = oriented["centre"]
     return Instance(
         instance_id=int(record["id"]),
-        state="confirmed",
+        state=record.get("state", CONFIRMED),
         merged_into=0,
         parent=0,
         superpoint_id=NO_IDS,
@@ -105,6 +105,10 @@ def _instance(record: Mapping[str, Any]) -> Instance:
         box_size_m=np.array(oriented["size"], np.float64),
         first_seen_ns=record["first_seen_ns"],
         last_seen_ns=record["last_seen_ns"],
+        role=record.get("role", OBJECT),
+        supported_by=record.get("supported_by") or 0,
+        inside=record.get("inside") or 0,
+        neighbour_id=np.array(record.get("neighbours", ()), np.int32),
     )
 
 

@@ -51,6 +51,7 @@ def run(
     quiet: Quiet = False,
 ) -> None:
     """Ask every question of a recording about a map of it, and about its true instances."""
+    from sceneq_tools.evaluation.recording_pictures import pictures_of
     from sceneq_tools.evaluation.retrieval import evaluate_retrieval
     from sceneq_tools.evaluation.retrieval_queries import read_questioned
     from sceneq_tools.evaluation.retrieval_setup import open_setup
@@ -58,10 +59,11 @@ def run(
 
     setup = open_setup(graph, calibration)
     questioned = read_questioned(queries or scene)
+    pictures = pictures_of(questioned.folder)
     results = [
         result
         for candidates in _candidates(scene, questioned, setup, truth, quiet)
-        for result in evaluate_retrieval(candidates, questioned.queries, setup)
+        for result in evaluate_retrieval(candidates, questioned.queries, setup, pictures=pictures)
     ]
     typer.echo(f"retrieval in {questioned.name}: {told(setup)}")
     for result in results:

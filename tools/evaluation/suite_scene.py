@@ -9,6 +9,7 @@ from sceneq_core.routing.answer import FALLBACK, FAST, REASONED
 from sceneq_tools.evaluation.calibration import Scene
 from sceneq_tools.evaluation.instances import Scene as Judged
 from sceneq_tools.evaluation.readers import read_prediction, read_truth
+from sceneq_tools.evaluation.recording_pictures import pictures_of
 from sceneq_tools.evaluation.retrieval import Retrieval, evaluate_retrieval, is_right
 from sceneq_tools.evaluation.retrieval_asking import Answered
 from sceneq_tools.evaluation.retrieval_candidates import Candidates, Matches, map_candidates
@@ -104,10 +105,11 @@ def questioned_of(folder: Path) -> Questioned:
 
 def ask(scene: SuiteScene, setup: Setup) -> tuple[Asked, ...]:
     """Ask about the true instances, and about the map; one result for every rule of a hit."""
+    queries, pictures = scene.questioned.queries, pictures_of(scene.questioned.folder)
     return tuple(
         Asked(scene, candidates, candidates.matches[result.hit_rule], result)
         for candidates in (scene.true, scene.own)
-        for result in evaluate_retrieval(candidates, scene.questioned.queries, setup)
+        for result in evaluate_retrieval(candidates, queries, setup, pictures=pictures)
     )
 
 

@@ -1,0 +1,50 @@
+"""Corrections of poses on their way into the map."""
+
+from dataclasses import replace
+
+from sceneq_core.arrays import Float64
+from sceneq_core.mapping.correction import Correction
+from sceneq_schemas.correction import PoseCorrection
+from sceneq_schemas.frame import Frame
+
+MAX_WAITING = 64
+"""More corrections than that for frames still to come are no robot's."""
+
+
+class Corrections:
+    """Holds a correction back until the frame from which on it holds is next.
+
+    So a map made live equals one made from the recording, however long messages take.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: list[PoseCorrection] = []
+        self._poses: dict[int, Float64] = {}
+
+    def offer(self, message: PoseCorrection) -> bool:
+        """Take a correction; tell whether there was room for it."""
+        if len(self._waiting) >= MAX_WAITING:
+            return False
+        self._waiting.append(message)
+        return True
+
+    def due(self, frame_seq: int) -> list[PoseCorrection]:
+        """Return, and forget, those that hold from ``frame_seq`` or an earlier frame on."""
+        due = [message for message in self._waiting if message.frame_seq <= frame_seq]
+        self._waiting = [message for message in self._waiting if message.frame_seq > frame_seq]
+        for message in due:
+            known = {} if message.full else self._poses
+            self._poses = known | dict(
+                zip(message.keyframe_seq.tolist(), message.T_world_camera, strict=True)
+            )
+        return due
+
+    def corrected(self, frame: Frame) -> Frame:
+        """Return ``frame``, which was on its way meanwhile, with its newest pose."""
+        pose = self._poses.get(frame.seq)
+        return frame if pose is None else replace(frame, T_world_camera=pose)
+
+
+def correction_of(message: PoseCorrection) -> Correction:
+    """Return what ``message`` says about poses."""
+    return Correction(message.keyframe_seq, message.T_world_camera)

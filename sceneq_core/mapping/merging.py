@@ -1,0 +1,40 @@
+"""Which regions are one thing: those that the views show as one segment."""
+
+import numpy as np
+
+from sceneq_core.arrays import Int64
+from sceneq_core.mapping.agreement import RegionViews, expected_agreement
+from sceneq_core.mapping.evidence import NO_SEGMENT
+
+Pairs = tuple[tuple[int, int], ...]
+
+
+def merging_pairs(views: RegionViews, tau_merge: float, min_common_views: int) -> Pairs:
+    """Return disjoint pairs of regions that agree by more than ``tau_merge``, the best first."""
+    first, second = _sharing(views)
+    same, common = views.compare(first, second)
+    score = expected_agreement(same, common)
+    good = np.flatnonzero((score > tau_merge) & (common >= min_common_views))
+    order = good[np.lexsort((second[good], first[good], -score[good]))]
+    pairs: list[tuple[int, int]] = []
+    busy: set[int] = set()
+    for pair in zip(first[order].tolist(), second[order].tolist(), strict=True):
+        if busy.isdisjoint(pair):
+            busy.update(pair)
+            pairs.append(pair)
+    return tuple(pairs)
+
+
+def _sharing(views: RegionViews) -> tuple[Int64, Int64]:
+    """Return the pairs of regions that have a dominant segment in common in any view."""
+    region, column = np.nonzero(views.segment != NO_SEGMENT)
+    segment = views.segment[region, column]
+    order = np.lexsort((region, segment))
+    region, segment = region[order], segment[order]
+    pairs = []
+    step = 1
+    while (equal := segment[step:] == segment[:-step]).any():
+        pairs.append((region[:-step][equal] << 32) | region[step:][equal])
+        step += 1
+    pair = np.unique(np.concatenate(pairs)) if pairs else np.zeros(0, np.int64)
+    return pair >> 32, pair & ((1 << 32) - 1)

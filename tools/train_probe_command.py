@@ -1,0 +1,59 @@
+"""``sceneq train-probe``: teach the embedded encoder names, with recordings with truth."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sceneq_tools.evaluation.retrieval_command import GraphFile
+from sceneq_tools.progress import Quiet, progress
+
+if TYPE_CHECKING:
+    from sceneq_tools.evaluation.retrieval_setup import Setup
+    from sceneq_tools.probe_examples import Example
+
+
+def run(
+    recordings: Annotated[
+        list[Path], typer.Argument(metavar="RECORDING...", help="Made by sceneq synth, or alike.")
+    ],
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="What to write.")] = Path(
+        "probe.npz"
+    ),
+    graph: GraphFile = None,
+    rounds: Annotated[int, typer.Option(min=1, help="Over all examples.")] = 40,
+    quiet: Quiet = False,
+) -> None:
+    """Write a probe of the names in recordings: a linear layer on the classifier's feature.
+
+    The file goes into the graph, alike in encoding and routing: encoder: {kind: conse, probe: FILE}
+    """
+    from sceneq_core.encoding.probe_training import ProbeTrainingParams, train_probe
+    from sceneq_nodes._conse_encoder import ConseEncoder
+    from sceneq_nodes._probe_file import write_probe
+    from sceneq_tools.errors import UserError
+    from sceneq_tools.evaluation.retrieval_setup import open_setup
+    from sceneq_tools.probe_examples import as_arrays
+
+    setup = open_setup(graph)
+    encoder = setup.encoder
+    if not isinstance(encoder, ConseEncoder):
+        raise UserError(f"the graph's encoder is {encoder.model_id}: only conse has a probe", 2)
+    found = [example for folder in recordings for example in _examples(folder, setup, quiet)]
+    if not found:
+        raise UserError("no thing is seen in these recordings")
+    names, features = as_arrays(found)
+    try:
+        probe = train_probe(features, names, ProbeTrainingParams(rounds=rounds))
+    except ValueError as error:
+        raise UserError(f"nothing to learn: {error}") from error
+    out.parent.mkdir(parents=True, exist_ok=True)
+    write_probe(out, probe, encoder.embed_all(probe.names))
+    typer.echo(f"{len(probe)} names from {len(found)} views -> {out}")
+
+
+def _examples(folder: Path, setup: "Setup", quiet: bool) -> "list[Example]":
+    from sceneq_tools.probe_examples import examples
+
+    with progress(f"looking at {folder.resolve().name}", None, "things", quiet) as advance:
+        return list(examples(folder, setup, advance))
