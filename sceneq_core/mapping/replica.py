@@ -157,6 +157,10 @@ def _check(delta: MapDelta, known_voxels: int) -> None:
     _check_ids("superpoint_id", delta.superpoint_id, NO_SUPERPOINT, MAX_VOXELS)
     voxels = max(known_voxels, int(delta.voxel_id.max(initial=-1)) + 1)
     _check_ids("removed_voxel_id", delta.removed_voxel_id, 0, voxels)
+    if len(delta.moved_from_id) != len(delta.moved_to_id):
+        raise ValueError("map delta: moved_from_id and moved_to_id differ in length")
+    _check_ids("moved_from_id", delta.moved_from_id, 0, MAX_VOXELS)
+    _check_ids("moved_to_id", delta.moved_to_id, 0, MAX_VOXELS)
     for instance in delta.instances:
         if instance.instance_id <= 0 or instance.state not in STATES:
             raise ValueError(f"map delta: instance {instance.instance_id} is {instance.state!r}")

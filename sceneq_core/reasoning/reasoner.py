@@ -28,7 +28,8 @@ class Candidate:
     instances, that it is the one they mean. One instance may be a candidate for several words.
     ``supported_by``, ``inside`` and ``neighbours`` are instance ids as the map knows them, 0 and
     () = not known. ``T_world_box`` (4, 4) holds centre and axes of the oriented box,
-    ``box_size_m`` (3,) its edges; ``views`` are keyframe seqs with boxes (xyxy pixels), most visible first.
+    ``box_size_m`` (3,) its edges; ``views`` are keyframe seqs with boxes (xyxy pixels), most
+    visible first.
     """
 
     instance_id: int

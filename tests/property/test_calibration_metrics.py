@@ -1,6 +1,8 @@
 """What measures of calibration must obey whatever the numbers."""
 
 import numpy as np
+import scipy.optimize  # noqa: F401 - imported late by what is tested, which would make it slow
+import scipy.stats  # noqa: F401
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays

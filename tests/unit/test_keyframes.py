@@ -21,10 +21,10 @@ def chosen(policy: KeyframePolicy, poses: list[np.ndarray], bad: tuple[int, ...]
     """Return the indices that are due and, unless their images are bad, taken."""
     due = []
     for index, T_world_camera in enumerate(poses):
-        if policy.is_due(T_world_camera):
+        if policy.is_due(T_world_camera, index):
             due.append(index)
             if index not in bad:
-                policy.took(T_world_camera)
+                policy.took(T_world_camera, index)
     return due
 
 

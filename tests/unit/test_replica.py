@@ -95,6 +95,7 @@ def test_deltas_add_up_to_the_snapshot():
         ("voxel_coord", np.full((2, 3), 1 << 20, np.int32), "voxel_coord"),
         ("superpoint_id", np.array([0, -2], np.int32), "superpoint_id -2..0"),
         ("removed_voxel_id", np.array([4], np.int32), "removed_voxel_id 4..4"),
+        ("moved_to_id", np.array([1], np.int32), "moved_from_id and moved_to_id differ"),
         ("voxel_size_m", 0.0, "voxel_size_m"),
         ("instances", (instance(0, []),), "instance 0"),
         ("instances", (instance(1, [], state="asleep"),), "'asleep'"),
