@@ -1,7 +1,9 @@
 """What measures of calibration must obey whatever the numbers."""
 
 import numpy as np
-import scipy.optimize  # noqa: F401 - imported late by what is tested, which would make it slow
+
+# Imported late by what is tested, which would make its first example slow.
+import scipy.optimize
 import scipy.stats  # noqa: F401
 from hypothesis import given
 from hypothesis import strategies as st
