@@ -7,6 +7,7 @@ import threading
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -14,7 +15,7 @@ log = logging.getLogger(__name__)
 
 APPLICATION = "sceneq"
 MEMORY = re.compile(r"[1-9]\d*(MiB|GiB)")
-REACH_S = 0.3
+REACH_S, OPEN_S = 0.3, 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,10 +96,8 @@ class Output:
         """Return the open recording, ``None`` without a reader, and whether it is a new one."""
         if self._recording is not None:
             return self._recording, False
-        if self._params.connect and not _answers(self._params.connect):
-            return None, False
-        self._recording = self._start()
-        return self._recording, True
+        self._recording = self._reach() if self._params.connect else self._start()
+        return self._recording, self._recording is not None
 
     def arrange(self, layout: Any) -> None:
         """Show ``layout`` from now on, also to those who come later."""
@@ -107,7 +106,7 @@ class Output:
 
     @property
     def waiting(self) -> bool:
-        """Whether a viewer elsewhere has still to take what was logged last."""
+        """Whether a viewer elsewhere has still to take what was logged last, or to let us in."""
         return self._handing_on is not None and self._handing_on.is_alive()
 
     def flush(self) -> None:
@@ -124,6 +123,25 @@ class Output:
         if self._recording is not None and not self.waiting:
             self._recording.disconnect()
         self._recording = None
+
+    def _reach(self) -> Any:
+        """Return a recording to a viewer elsewhere, ``None`` when it does not take one soon.
+
+        On a thread of its own: one that listens and takes no byte would hold up who opens it.
+        """
+        if not _answers(self._params.connect):
+            return None
+        opened: SimpleQueue[Any] = SimpleQueue()
+        self._handing_on = threading.Thread(
+            target=lambda: opened.put(self._start()), name="reach", daemon=True
+        )
+        self._handing_on.start()
+        try:
+            recording = opened.get(timeout=OPEN_S)
+        except Empty:
+            return None
+        self._handing_on.join()
+        return recording
 
     def _hand_on(self, recording: Any) -> None:
         """On a thread of its own: look for the viewer again when it is gone."""

@@ -120,7 +120,7 @@ class Viewer:
             self._map.tick()
         elif received.topic is topics.MAP_DELTA:
             self._map.offer(received.message)
-        elif self._screen is not None and self._output.waiting:
+        elif self._output.waiting:
             self._bus.count("messages_skipped")
         elif self._screen is not None:
             self._show(self._screen, received.topic, received.message)

@@ -2,6 +2,7 @@
 
 import json
 import socket
+import threading
 from dataclasses import replace
 from pathlib import Path
 
@@ -281,6 +282,25 @@ def test_a_viewer_that_takes_nothing_is_not_waited_for(bus, stream):
         assert bus.counters["messages_skipped"] >= FRAMES
         assert bus.counters["pictures_skipped"] >= FRAMES - 1
         node.close()
+
+
+def test_a_viewer_that_never_lets_us_in_is_not_waited_for(bus, stream, monkeypatch):
+    let_in = threading.Event()
+    monkeypatch.setattr(_viewer_output, "OPEN_S", 0.01)
+    monkeypatch.setattr(_viewer_output.Output, "_start", lambda self: let_in.wait())
+    with socket.socket() as deaf:
+        deaf.bind(("127.0.0.1", 0))
+        deaf.listen()
+        clock = Clock()
+        output = OutputParams(connect=f"rerun+http://127.0.0.1:{deaf.getsockname()[1]}/proxy")
+        node = Viewer(ViewerParams(output=output), bus.context, clock)
+        node.open(bus)
+        run(bus, node, stream, clock)
+        assert bus.counters["messages_skipped"] >= FRAMES
+        assert bus.counters["pictures_skipped"] >= FRAMES - 1
+        assert "viewers_lost" not in bus.counters
+        node.close()
+    let_in.set()
 
 
 def test_without_rerun_it_says_what_to_install(bus, monkeypatch):
