@@ -55,7 +55,7 @@ def test_retrieval_asks_about_the_map_and_the_truth(place):
     assert truth["buckets"][0]["hit_1"] == 2  # colours are what this encoder knows
     found = {one["question"]: one["best"] for one in results["map", "IoU >= 0.5"]["answers"]}
     assert found["yellow ball"]
-    assert results["map", "IoU >= 0.5"]["buckets"][0]["hit_1"] == 1  # the red one has no instance
+    assert results["map", "IoU >= 0.5"]["buckets"][0]["hit_1"] == 2
 
 
 def test_calibration_is_fitted_used_and_told_apart(place):
