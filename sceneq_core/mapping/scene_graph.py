@@ -132,7 +132,7 @@ class SceneGraph:
         return bool(grown >= self._params.grown or moved_m >= self._params.moved_m)
 
     def _forget(self, gone: Iterable[Instance]) -> None:
-        """Take removed instances out; who leaned on one leans on what it merged into, for now."""
+        """Take removed instances out; who leaned on one leans on what it merged into."""
         for instance in gone:
             number = instance.instance_id
             self._due.pop(number, None)
