@@ -10,7 +10,6 @@ import fcntl
 import hashlib
 import json
 import logging
-import os
 import shutil
 import sys
 import tempfile
@@ -27,6 +26,7 @@ from sceneq_core.arrays import Float32
 from sceneq_core.encoding.conse import classifier_input
 from sceneq_core.encoding.dead_leaves import dead_leaves
 from sceneq_nodes import _classifier_onnx as classifier
+from sceneq_nodes._cache import cache_path
 from sceneq_nodes._sentence import SentenceTower
 
 log = logging.getLogger(__name__)
@@ -73,7 +73,7 @@ def assets() -> Assets:
 
 def prepared_folder() -> Path:
     """Return where the files made from the packages installed now are, or will be."""
-    return _cache_path() / f"conse-{_key()}"
+    return cache_path() / f"conse-{_key()}"
 
 
 def damaged(folder: Path) -> list[str]:
@@ -161,13 +161,8 @@ def _key() -> str:
     return hashlib.sha256(origin.encode()).hexdigest()[:12]
 
 
-def _cache_path() -> Path:
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(home) / "sceneq"
-
-
 def _cache() -> Path:
-    folder = _cache_path()
+    folder = cache_path()
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 

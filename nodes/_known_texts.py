@@ -7,8 +7,6 @@ lives in ``$XDG_CACHE_HOME/sceneq`` and is named after the encoder's model and t
 import hashlib
 import json
 import logging
-import os
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -16,6 +14,7 @@ import numpy as np
 
 from sceneq_core.arrays import Float32
 from sceneq_core.encoding.encoder import Crop, Encoder
+from sceneq_nodes._cache import cache_path, write_whole
 
 log = logging.getLogger(__name__)
 
@@ -52,16 +51,15 @@ def _vectors(encoder: Encoder, texts: list[str]) -> Float32:
         return stored
     vectors = encoder.encode_texts(texts)
     try:
-        _store(path, vectors)
+        write_whole(path, lambda file: np.save(file, vectors, allow_pickle=False))
     except OSError as error:
         log.warning("%s: not kept, the next start is slower: %s", path, error)
     return vectors
 
 
 def _path(encoder: Encoder, texts: list[str]) -> Path:
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     digest = hashlib.sha256(json.dumps(texts).encode()).hexdigest()[:12]
-    return Path(home) / "sceneq" / f"texts-{encoder.model_id}-{digest}.npy"
+    return cache_path() / f"texts-{encoder.model_id}-{digest}.npy"
 
 
 def _load(path: Path, shape: tuple[int, int]) -> Float32 | None:
@@ -75,11 +73,3 @@ def _load(path: Path, shape: tuple[int, int]) -> Float32 | None:
         return None
     usable = stored.shape == shape and stored.dtype == np.float32 and np.isfinite(stored).all()
     return stored if usable else None
-
-
-def _store(path: Path, vectors: Float32) -> None:
-    """Write to a temporary file, then give it its name: readers see all of it or nothing."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".tmp", delete=False) as file:
-        np.save(file, vectors, allow_pickle=False)
-    Path(file.name).replace(path)

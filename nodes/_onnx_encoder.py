@@ -9,50 +9,33 @@ Each tower loads when it is first used. torch is not needed.
 """
 
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from threading import RLock
 from typing import Any, ClassVar
 
 import numpy as np
 
 from sceneq_core.arrays import Array, Float32
-from sceneq_core.checks import need_at_least, need_between, need_positive
-from sceneq_core.encoding.encoder import Crop
+from sceneq_core.checks import need_at_least
 from sceneq_core.encoding.preprocess import Fit, Preprocess
 from sceneq_core.encoding.resample import Kernel
-from sceneq_core.encoding.towers import Towers
 from sceneq_nodes._onnx_session import OnnxModel, Port, need_onnx_device
 from sceneq_nodes._params import ParamError, validate
-from sceneq_nodes._weights import model_id, need_file, need_prompt
+from sceneq_nodes._tower_encoder import TowerEncoder, TowerParams
+from sceneq_nodes._weights import model_id, need_file
 
 IMAGE, TEXT, TOKENIZER, SETTINGS = "image.onnx", "text.onnx", "tokenizer.json", "encoder.json"
 INTEGERS = {"tensor(int64)": np.int64, "tensor(int32)": np.int32}
 
 
 @dataclass(frozen=True, slots=True)
-class OnnxEncoderParams:
-    """``model``: the folder. ``device``: auto, cpu or cuda; ``batch``, ``threads``, ``text_cache``,
-    ``prompt``, ``temperature`` and ``ceiling`` as in ``TransformersEncoderParams``.
-    """
-
-    model: str
-    device: str = "auto"
-    batch: int = 1
-    threads: int = 1
-    text_cache: int = 4096
-    prompt: str = "{}"
-    temperature: float = 0.01
-    ceiling: float = 1.0
+class OnnxEncoderParams(TowerParams):
+    """``model``: the folder."""
 
     def __post_init__(self) -> None:
+        TowerParams.__post_init__(self)
         need_onnx_device(self)
-        need_at_least(self, 1, "batch", "threads", "text_cache")
-        need_prompt(self)
-        need_positive(self, "temperature")
-        need_between(self, 0, 1.0000001, "ceiling")
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +70,7 @@ class EncoderFile:
         return Preprocess(self.height_px, self.width_px, self.mean, self.std, self.fit, self.kernel)
 
 
-class OnnxEncoder:
+class OnnxEncoder(TowerEncoder[Float32]):
     """Both towers of a folder."""
 
     Params: ClassVar[type] = OnnxEncoderParams
@@ -102,28 +85,8 @@ class OnnxEncoder:
         need_file(self._folder / TEXT, "the text tower")
         need_file(self._folder / TOKENIZER, "the tokenizer of the text tower")
         self._file = _settings(self._folder / SETTINGS)
-        self.model_id = model_id("onnx", _files(self._folder), params.prompt)
-        self.dim = self._file.dim
-        self.temperature = params.temperature
-        self.ceiling = params.ceiling
-        self._loading = RLock()
-        self._towers: Towers[Float32] = Towers(
-            self._file.preprocess(),
-            self._see,
-            self._read,
-            dim=self.dim,
-            batch=params.batch,
-            text_cache=params.text_cache,
-            prompt=params.prompt,
-        )
-
-    def encode_crops(self, crops: Sequence[Crop]) -> tuple[Float32, Float32]:
-        """Return descriptors (N, dim), L2-normalised, and the image tower's features (N, F)."""
-        return self._towers.encode_crops(crops)
-
-    def encode_texts(self, texts: Sequence[str]) -> Float32:
-        """Return (N, dim), L2-normalised."""
-        return self._towers.encode_texts(texts)
+        identity = model_id("onnx", _files(self._folder), params.prompt)
+        super().__init__(params, identity, self._file.dim, self._file.preprocess())
 
     def _see(self, inputs: list[Float32]) -> tuple[Float32, Float32]:
         model, file = self._image_tower, self._file

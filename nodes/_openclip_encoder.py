@@ -5,24 +5,21 @@ itself imports torchvision, so that has to fit the installed torch.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.util import find_spec
 from pathlib import Path
-from threading import RLock
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from sceneq_core.arrays import Float32, UInt8
-from sceneq_core.checks import need_at_least, need_between, need_positive
-from sceneq_core.encoding.encoder import Crop
 from sceneq_core.encoding.preprocess import Preprocess
-from sceneq_core.encoding.towers import Towers
 from sceneq_nodes._hub import model_folder
 from sceneq_nodes._torch import chosen_device, chosen_dtype, need_device, need_dtype, to_numpy
-from sceneq_nodes._weights import model_id, need_file, need_package, need_prompt
+from sceneq_nodes._tower_encoder import TowerEncoder, TowerParams
+from sceneq_nodes._weights import model_id, need_file, need_package
 
 CONFIG = "open_clip_config.json"
 WEIGHTS = ("open_clip_model.safetensors", "open_clip_pytorch_model.bin")
@@ -30,33 +27,21 @@ FITS = {"shortest": "crop", "squash": "squash", "longest": "pad"}
 
 
 @dataclass(frozen=True, slots=True)
-class OpenclipParams:
+class OpenclipParams(TowerParams):
     """``model``: a name such as ``ViT-B-32`` with a ``checkpoint`` (file, or published tag such as
     ``laion2b_s34b_b79k``), or a folder or hub repository with ``open_clip_config.json``. A file
     does not say how pictures were prepared: ``like`` names the published tag it is prepared like,
-    "" = as OpenAI's. ``device``, ``dtype``, ``batch``, ``threads``, ``text_cache``,
-    ``prompt``, ``temperature`` and ``ceiling`` as in ``TransformersEncoderParams``.
+    "" = as OpenAI's. ``device`` may be cuda:N too; ``dtype`` as in ``TransformersEncoderParams``.
     """
 
-    model: str
     checkpoint: str = ""
     like: str = ""
-    device: str = "auto"
     dtype: str = "auto"
-    batch: int = 1
-    threads: int = 1
-    text_cache: int = 4096
-    prompt: str = "{}"
-    temperature: float = 0.01
-    ceiling: float = 1.0
 
     def __post_init__(self) -> None:
+        TowerParams.__post_init__(self)
         need_device(self)
         need_dtype(self)
-        need_at_least(self, 1, "batch", "threads", "text_cache")
-        need_prompt(self)
-        need_positive(self, "temperature")
-        need_between(self, 0, 1.0000001, "ceiling")
         if self.like and not self.checkpoint:
             raise ValueError("like: is for a checkpoint file; a folder says it itself")
 
@@ -70,7 +55,7 @@ class _Model(NamedTuple):
     arguments: Mapping[str, Any]
 
 
-class OpenclipEncoder:
+class OpenclipEncoder(TowerEncoder[Float32]):
     """Both towers of one open_clip model."""
 
     Params: ClassVar[type] = OpenclipParams
@@ -82,28 +67,8 @@ class OpenclipEncoder:
         self._model = _named(params) if params.checkpoint else _foldered(params)
         name = f"openclip-{params.model}" if params.checkpoint else "openclip"
         settings = f"{params.like}\0{params.prompt}"
-        self.model_id = model_id(name, self._model.files, settings)
-        self.dim = int(self._model.config["embed_dim"])
-        self.temperature = params.temperature
-        self.ceiling = params.ceiling
-        self._loading = RLock()
-        self._towers: Towers[Float32] = Towers(
-            self._prepare,
-            self._see,
-            self._read,
-            dim=self.dim,
-            batch=params.batch,
-            text_cache=params.text_cache,
-            prompt=params.prompt,
-        )
-
-    def encode_crops(self, crops: Sequence[Crop]) -> tuple[Float32, Float32]:
-        """Return descriptors (N, dim), L2-normalised, and the same before normalisation."""
-        return self._towers.encode_crops(crops)
-
-    def encode_texts(self, texts: Sequence[str]) -> Float32:
-        """Return (N, dim), L2-normalised."""
-        return self._towers.encode_texts(texts)
+        identity = model_id(name, self._model.files, settings)
+        super().__init__(params, identity, int(self._model.config["embed_dim"]), self._prepare)
 
     def _prepare(self, rgb: UInt8) -> Float32:
         return self._preprocess(rgb)

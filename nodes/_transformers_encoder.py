@@ -5,55 +5,38 @@ Pictures are prepared without torchvision.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from threading import RLock
 from typing import Any, ClassVar
 
 import numpy as np
 
 from sceneq_core.arrays import Float32
-from sceneq_core.checks import need_at_least, need_between, need_positive
-from sceneq_core.encoding.encoder import Crop
 from sceneq_core.encoding.preprocess import Patches
-from sceneq_core.encoding.towers import Towers
 from sceneq_nodes._hub import model_folder
 from sceneq_nodes._preprocess_file import read_preprocess
 from sceneq_nodes._torch import need_device, need_dtype, pretrained, to_numpy
-from sceneq_nodes._weights import model_id, need_file, need_package, need_prompt
+from sceneq_nodes._tower_encoder import TowerEncoder, TowerParams
+from sceneq_nodes._weights import model_id, need_file, need_package
 
 VOCABULARY = ("tokenizer.json", "spiece.model", "vocab.json")
 
 
 @dataclass(frozen=True, slots=True)
-class TransformersEncoderParams:
-    """``model``: folder or hub name, at ``revision``. ``device``: auto, cpu, cuda or cuda:N;
-    ``dtype``: auto (float16 on a GPU), float32, float16 or bfloat16; ``batch`` crops or texts at
-    once; ``threads`` on a CPU; ``text_cache`` texts are remembered. ``prompt``: what a text is put
-    into, such as ``a photo of a {}``. ``temperature`` T of softmax(s / T) and ``ceiling`` as in
-    ``Encoder``: CLIP's training ends at T = 0.01, ``sceneq calibrate`` fits another.
+class TransformersEncoderParams(TowerParams):
+    """``model``: folder or hub name, at ``revision``. ``device`` may be cuda:N too; ``dtype``: auto
+    (float16 on a GPU), float32, float16 or bfloat16.
     """
 
-    model: str
     revision: str = "main"
-    device: str = "auto"
     dtype: str = "auto"
-    batch: int = 1
-    threads: int = 1
-    text_cache: int = 4096
-    prompt: str = "{}"
-    temperature: float = 0.01
-    ceiling: float = 1.0
 
     def __post_init__(self) -> None:
+        TowerParams.__post_init__(self)
         need_device(self)
         need_dtype(self)
-        need_at_least(self, 1, "batch", "threads", "text_cache")
-        need_prompt(self)
-        need_positive(self, "temperature")
-        need_between(self, 0, 1.0000001, "ceiling")
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +67,7 @@ FAMILIES = {
 }
 
 
-class TransformersEncoder:
+class TransformersEncoder(TowerEncoder[Float32 | Patches]):
     """Both towers of a model in one folder."""
 
     Params: ClassVar[type] = TransformersEncoderParams
@@ -96,28 +79,9 @@ class TransformersEncoder:
         self._folder = model_folder(params.model, params.revision)
         config = _config(self._folder)
         self._family = _family(config, self._folder)
-        self.model_id = model_id(config["model_type"], _files(self._folder), params.prompt)
-        self.dim = _dim(config, self._family)
-        self.temperature = params.temperature
-        self.ceiling = params.ceiling
-        self._loading = RLock()
-        self._towers: Towers[Float32 | Patches] = Towers(
-            read_preprocess(self._folder, config["model_type"]),
-            self._see,
-            self._read,
-            dim=self.dim,
-            batch=params.batch,
-            text_cache=params.text_cache,
-            prompt=params.prompt,
-        )
-
-    def encode_crops(self, crops: Sequence[Crop]) -> tuple[Float32, Float32]:
-        """Return descriptors (N, dim), L2-normalised, and the pooled features (N, F)."""
-        return self._towers.encode_crops(crops)
-
-    def encode_texts(self, texts: Sequence[str]) -> Float32:
-        """Return (N, dim), L2-normalised."""
-        return self._towers.encode_texts(texts)
+        identity = model_id(config["model_type"], _files(self._folder), params.prompt)
+        prepare = read_preprocess(self._folder, config["model_type"])
+        super().__init__(params, identity, _dim(config, self._family), prepare)
 
     def _see(self, inputs: list[Float32 | Patches]) -> tuple[Float32, Float32]:
         import torch

@@ -7,13 +7,13 @@ place, size and time.
 
 import hashlib
 import logging
-import os
 import re
-import tempfile
 from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
+
+from sceneq_nodes._cache import cache_path, write_whole
 
 log = logging.getLogger(__name__)
 
@@ -42,7 +42,7 @@ def digest(path: Path) -> str:
     try:
         status = path.stat()
         place = f"{path.resolve()}\0{status.st_size}\0{status.st_mtime_ns}"
-        kept = _cache() / f"weights-{hashlib.sha256(place.encode()).hexdigest()[:24]}.sha256"
+        kept = cache_path() / f"weights-{hashlib.sha256(place.encode()).hexdigest()[:24]}.sha256"
         if (found := _kept(kept)) is not None:
             return found
         fresh = _hash(path)
@@ -88,16 +88,7 @@ def _kept(path: Path) -> str | None:
 
 
 def _keep(path: Path, text: str) -> None:
-    """Write to a temporary file, then give it its name: readers see all of it or nothing."""
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".tmp", delete=False) as file:
-            file.write(text)
-        Path(file.name).replace(path)
+        write_whole(path, lambda file: file.write(text.encode("ascii")))
     except OSError as error:
         log.warning("%s: not kept, the next start is slower: %s", path, error)
-
-
-def _cache() -> Path:
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(home) / "sceneq"

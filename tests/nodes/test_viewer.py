@@ -3,6 +3,7 @@
 import json
 import socket
 import threading
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -270,7 +271,9 @@ def test_nothing_is_kept_for_a_viewer_that_is_not_there(bus, stream):
     node.close()
 
 
-def test_a_viewer_that_takes_nothing_is_not_waited_for(bus, stream):
+@contextmanager
+def deaf_viewer(bus):
+    """A node for a viewer that listens and takes nothing."""
     with socket.socket() as deaf:
         deaf.bind(("127.0.0.1", 0))
         deaf.listen()
@@ -278,28 +281,26 @@ def test_a_viewer_that_takes_nothing_is_not_waited_for(bus, stream):
         output = OutputParams(connect=f"rerun+http://127.0.0.1:{deaf.getsockname()[1]}/proxy")
         node = Viewer(ViewerParams(output=output), bus.context, clock)
         node.open(bus)
+        yield node, clock
+        node.close()
+
+
+def test_a_viewer_that_takes_nothing_is_not_waited_for(bus, stream):
+    with deaf_viewer(bus) as (node, clock):
         run(bus, node, stream, clock)
         assert bus.counters["messages_skipped"] >= FRAMES
         assert bus.counters["pictures_skipped"] >= FRAMES - 1
-        node.close()
 
 
 def test_a_viewer_that_never_lets_us_in_is_not_waited_for(bus, stream, monkeypatch):
     let_in = threading.Event()
     monkeypatch.setattr(_viewer_output, "OPEN_S", 0.01)
     monkeypatch.setattr(_viewer_output.Output, "_start", lambda self: let_in.wait())
-    with socket.socket() as deaf:
-        deaf.bind(("127.0.0.1", 0))
-        deaf.listen()
-        clock = Clock()
-        output = OutputParams(connect=f"rerun+http://127.0.0.1:{deaf.getsockname()[1]}/proxy")
-        node = Viewer(ViewerParams(output=output), bus.context, clock)
-        node.open(bus)
+    with deaf_viewer(bus) as (node, clock):
         run(bus, node, stream, clock)
         assert bus.counters["messages_skipped"] >= FRAMES
         assert bus.counters["pictures_skipped"] >= FRAMES - 1
         assert "viewers_lost" not in bus.counters
-        node.close()
     let_in.set()
 
 
