@@ -296,5 +296,5 @@ def close(session: zenoh.Session) -> None:
 
 
 def _open(mode: str, **entries: Any) -> zenoh.Session:
-    zenoh.init_log_from_env_or("error")
+    zenoh.try_init_log_from_env()  # on request only: it writes to stdout, as commands do
     return zenoh.open(zenoh.Config.from_json5(json.dumps(session_config(mode, **entries))))

@@ -27,6 +27,7 @@ ONE_THREAD = {
     "NUMEXPR_NUM_THREADS": "1",
     "OPENCV_FOR_THREADS_NUM": "1",
 }
+BUS_LOG = {"RUST_LOG": "error"}
 """Seven processes share the cores; pools of one thread per core in each would fight for them."""
 
 
@@ -50,7 +51,7 @@ class Supervisor:
 
     def __init__(self, folder: Path, environment: dict[str, str]) -> None:
         self._folder = folder
-        self._environment = ONE_THREAD | dict(os.environ) | environment
+        self._environment = ONE_THREAD | BUS_LOG | dict(os.environ) | environment
         self._child: subprocess.Popen[bytes] | None = None
         self._pids: set[int] = set()
         self._rpc: Any = xmlrpc.client.ServerProxy(

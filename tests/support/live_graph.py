@@ -90,7 +90,11 @@ class LiveGraph:
             if value := what():
                 return value
             time.sleep(0.1)
-        raise AssertionError(f"waited {PATIENCE_S} s; the graph printed:\n{self.log.read_text()}")
+        raise AssertionError(f"waited {PATIENCE_S} s; {self._story()}")
+
+    def _story(self) -> str:
+        """What the graph printed and what its nodes say, for whoever has only a log to read."""
+        return f"the graph printed:\n{self.log.read_text()}\n{self.sceneq('status').stdout}"
 
     def wait_until_settled(self) -> None:
         """Wait until the recording is over and everything seen is described."""
