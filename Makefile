@@ -35,7 +35,7 @@ lint: setup
 	PYTHON=$(RUN)/python .ci/typecheck
 
 unit: setup
-	$(RUN)/python -m pytest -q -m "not integration"
+	$(RUN)/python -m pytest -q -n auto --dist worksteal -m "not integration"
 
 integration: setup
 	$(RUN)/python -m pytest -q -m integration

@@ -296,5 +296,6 @@ def close(session: zenoh.Session) -> None:
 
 
 def _open(mode: str, **entries: Any) -> zenoh.Session:
-    zenoh.try_init_log_from_env()  # on request only: it writes to stdout, as commands do
+    # On request only: it writes to stdout, as commands do.
+    zenoh.try_init_log_from_env()  # type: ignore[no-untyped-call]
     return zenoh.open(zenoh.Config.from_json5(json.dumps(session_config(mode, **entries))))

@@ -5,7 +5,7 @@ from importlib.util import find_spec
 
 import typer
 
-COMMANDS = ("instances", "retrieval", "calibration", "ablation", "suite")
+COMMANDS = ("instances", "changes", "retrieval", "calibration", "ablation", "suite")
 
 app = typer.Typer(
     help="Measure a map and its answers against the truth; every number names its protocol.",

@@ -27,14 +27,14 @@ def reasoner():
 def test_a_slow_server_costs_no_more_than_the_deadline(reasoner):
     with chat_server(waits_then(chooses("1"))) as chat:
         error = unanswered(reasoner(chat.url), which_mug(time_s=1.0))
-        assert str(error) == "m: no reply in time"
+        assert str(error).startswith("m: no reply in time")
         assert error.vlm_calls == 1
 
 
 def test_a_server_that_drips_is_abandoned_at_the_deadline(reasoner):
     with chat_server(drips) as chat:
         error = unanswered(reasoner(chat.url), which_mug(time_s=1.0))
-        assert str(error) == "m: no reply in time"
+        assert str(error).startswith("m: no reply in time")
 
 
 def test_the_timeout_of_a_call_holds_though_the_question_has_more_time(reasoner):

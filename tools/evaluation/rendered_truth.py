@@ -29,18 +29,22 @@ def is_rendered(path: Path) -> bool:
     return (path / THINGS_FILE).is_file() and any(path.glob("frame-*.instance.png"))
 
 
-def read_rendered(folder: Path, params: SurfaceVotesParams | None = None) -> Truth:
-    """Return the truth at the end of a rendered recording.
+def read_rendered(
+    folder: Path, params: SurfaceVotesParams | None = None, before_frame: int | None = None
+) -> Truth:
+    """Return the truth at the end of a rendered recording, or just before one of its frames.
 
     Raises:
         UserError: a file that is missing or malformed; it is named.
     """
-    things = read_things(folder / THINGS_FILE)
+    things = read_things(folder / THINGS_FILE, before_frame)
     votes = SurfaceVotes(params)
     source = _open(folder)
     for raw in source.frames():
         if isinstance(raw, Skipped):
             raise UserError(f"{raw.where}: {raw.reason}", 2)
+        if before_frame is not None and raw.seq >= before_frame:
+            break
         _vote(votes, source, raw, instance_image(folder, raw.seq), things)
     points_world, number = votes.points()
     named = {thing.id: thing.names for thing in things if not thing.is_stuff}

@@ -14,15 +14,15 @@ THINGS_FILE = "instances.json"
 
 @dataclass(frozen=True, slots=True)
 class TrueThing:
-    """A thing as it is at the end of its recording.
+    """A thing as it is at one moment of its recording, if not said otherwise at the end.
 
     Attributes:
         id: what instance.png says where it is seen.
         name: as questions name it.
         names: its label, then its synonyms.
         is_stuff: wall or floor: no object.
-        since_frame: the frame from which on it stands where it stands at the end; ``None`` = it
-            is gone by then.
+        since_frame: the frame from which on it stands where it stands then; ``None`` = it is not
+            there.
     """
 
     id: int
@@ -32,8 +32,8 @@ class TrueThing:
     since_frame: int | None
 
 
-def read_things(path: Path) -> tuple[TrueThing, ...]:
-    """Return the things of a recording, by id.
+def read_things(path: Path, before_frame: int | None = None) -> tuple[TrueThing, ...]:
+    """Return the things of a recording, by id, as they were just before a frame or at the end.
 
     Raises:
         UserError: no such file, or a record without one of its fields.
@@ -44,13 +44,15 @@ def read_things(path: Path) -> tuple[TrueThing, ...]:
         raise UserError(f"{path}: {error.strerror}", 2) from error
     except (ValueError, KeyError, TypeError) as error:
         raise UserError(f"{path}: no list 'instances': {error!r:.80}", 2) from error
-    things = [_thing(path, place, record) for place, record in enumerate(records)]
+    things = [_thing(path, place, one, before_frame) for place, one in enumerate(records)]
     return tuple(sorted(things, key=lambda thing: thing.id))
 
 
-def _thing(path: Path, place: int, record: Mapping[str, Any]) -> TrueThing:
+def _thing(
+    path: Path, place: int, record: Mapping[str, Any], before_frame: int | None
+) -> TrueThing:
     try:
-        last = record["history"][-1]
+        last = _last_stay(record["history"], before_frame)
         return TrueThing(
             id=int(record["id"]),
             name=str(record["name"]),
@@ -62,3 +64,11 @@ def _thing(path: Path, place: int, record: Mapping[str, Any]) -> TrueThing:
         raise UserError(f"{path}: instances[{place}]: no field {error.args[0]!r}", 2) from error
     except (TypeError, ValueError, IndexError, AttributeError) as error:
         raise UserError(f"{path}: instances[{place}]: {error}", 2) from error
+
+
+def _last_stay(history: list[Any], before_frame: int | None) -> Mapping[str, Any]:
+    """Return where a thing was just before a frame, or at the end."""
+    if before_frame is None:
+        return dict(history[-1])
+    until = [stay for stay in history if int(stay["from_frame"]) < before_frame]
+    return dict(until[-1]) if until else {"from_frame": 0, "box": None}
