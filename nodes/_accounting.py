@@ -9,8 +9,7 @@ from typing import NamedTuple
 
 from sceneq_core.checks import need_at_least
 from sceneq_core.reasoning.reasoner import NO_USAGE, Usage
-
-HOUR_S = 3600.0
+from sceneq_core.routing.budget import HOUR_S, Budget, OverBudgetError
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,24 +27,6 @@ class Prices:
         """Return what tokens cost."""
         money = (tokens_in * self.per_million_in + tokens_out * self.per_million_out) / 1e6
         return Usage(tokens_in, tokens_out, money)
-
-
-@dataclass(frozen=True, slots=True)
-class Budget:
-    """The most in any 60 minutes; ``None`` = no limit. 0 calls = never ask."""
-
-    calls_per_hour: int | None = None
-    tokens_per_hour: int | None = None
-    money_per_hour: float | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("calls_per_hour", "tokens_per_hour", "money_per_hour"):
-            if getattr(self, name) is not None:
-                need_at_least(self, 0, name)
-
-
-class OverBudgetError(Exception):
-    """The hour's budget is spent; the text says which and when there is some again."""
 
 
 class _Entry(NamedTuple):

@@ -3,9 +3,8 @@
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
-
-import numpy as np
 
 from sceneq_core.arrays import Float64
 from sceneq_core.mapping.delta import STALE, Instance, Place
@@ -20,13 +19,15 @@ Json = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Stamp:
-    """What the process adds to an answer: who asked, and the time it took and the map's age."""
+    """What the process adds to an answer: who asked, the time it took, the map's age, and what
+    the probabilities were calibrated by."""
 
     scene: str
     query_id: str
     map_age_s: float
     took_ms: float
     stage_ms: Mapping[str, float]
+    calibration: str
 
 
 def answer_json(answer: Answer, k: int, stamp: Stamp) -> Json:
@@ -37,6 +38,7 @@ def answer_json(answer: Answer, k: int, stamp: Stamp) -> Json:
         "instances": [_match_json(match, stamp.scene) for match in answer.matches[:k]],
         "confidence": {**_confidence_json(answer.confidence), "presence": _p(answer.presence)},
         "route": answer.route,
+        "cached": answer.cached,
         "reason": _reason(answer),
         "cost": _cost_json(answer, stamp),
         **_stamp_json(answer.revision, stamp),
@@ -57,11 +59,17 @@ def naming_json(naming: Naming, stamp: Stamp) -> Json:
         "status": naming.status,
         "instance": instance_json(naming.instance, stamp.scene),
         "labels": [
-            {"label": label.name, "p": _p(label.p), "cosine": _p(label.cosine)}
+            {
+                "label": label.name,
+                "p": _p(label.p),
+                "cosine": _p(label.cosine),
+                "source": label.source,
+            }
             for label in naming.labels
         ],
         "confidence": _confidence_json(naming.confidence),
         "route": naming.route,
+        "cached": naming.cached,
         "reason": naming.reason,
         "cost": _cost_json(naming, stamp),
         **_stamp_json(naming.revision, stamp),
@@ -94,13 +102,16 @@ def _instance_json(
         "id": geometry.instance_id,
         "label": label.name if label else None,
         "p": _p(label.p) if label else 0.0,
+        "label_source": label.source if label else None,
         "role": geometry.role,
         "centre": _mm(geometry.centre_world),
         "box_aabb": {"min": _mm(low), "max": _mm(high)},
         "box_oriented": {
             "centre": _mm(geometry.T_world_box[:3, 3]),
             "size": _mm(geometry.box_size_m),
-            "rotation": [_rounded(row, 6) for row in geometry.T_world_box[:3, :3]],
+            "rotation": [
+                [round(part, 6) for part in row] for row in geometry.T_world_box[:3, :3].tolist()
+            ],
         },
         "supported_by": geometry.supported_by or None,
         "inside": geometry.inside or None,
@@ -150,9 +161,14 @@ def _match_json(match: Match, scene: str) -> Json:
 def _view_json(view: ViewRef, scene: str) -> Json:
     return {
         "seq": view.seq,
-        "box_xyxy": _rounded(np.array(view.box_xyxy), 1),
-        "key": f"{VIEW_IMAGE.key(scene=scene)}?seq={view.seq}",
+        "box_xyxy": [round(side, 1) for side in view.box_xyxy],
+        "key": f"{_image_key(scene)}?seq={view.seq}",
     }
+
+
+@cache
+def _image_key(scene: str) -> str:
+    return VIEW_IMAGE.key(scene=scene)
 
 
 def _confidence_json(confidence: Confidence) -> Json:
@@ -160,6 +176,7 @@ def _confidence_json(confidence: Confidence) -> Json:
         "p_max": _p(confidence.p_max),
         "margin": _p(confidence.margin),
         "entropy_norm": _p(confidence.entropy_norm),
+        "p_null": _p(confidence.p_null),
         "T": _p(confidence.temperature),
     }
 
@@ -167,6 +184,7 @@ def _confidence_json(confidence: Confidence) -> Json:
 def _stamp_json(revision: Revision, stamp: Stamp) -> Json:
     return {
         "map": map_json(revision, stamp.map_age_s),
+        "calibration": stamp.calibration,
         "query_id": stamp.query_id,
         "took_ms": round(stamp.took_ms, 2),
     }
@@ -177,9 +195,4 @@ def _p(value: float) -> float:
 
 
 def _mm(point_m: Float64) -> list[float]:
-    return _rounded(point_m, 3)
-
-
-def _rounded(values: Float64, digits: int) -> list[float]:
-    rounded: list[float] = np.round(np.asarray(values, np.float64), digits).tolist()
-    return rounded
+    return [round(part, 3) for part in point_m.tolist()]

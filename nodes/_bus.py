@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
 from sceneq_schemas.topics import Topic
@@ -9,12 +10,17 @@ from sceneq_schemas.topics import Topic
 
 @dataclass(frozen=True, slots=True)
 class Context:
-    """Where a node runs: its name in the graph and the scene, robot and sensor it works for."""
+    """Where a node runs: its name in the graph and the scene, robot and sensor it works for.
+
+    ``store``: the folder of this scene's durable files, private to its owner; ``None`` = nothing
+    outlives the process.
+    """
 
     node: str
     scene: str
     robot: str
     sensor: str
+    store: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,9 +1,11 @@
-"""A calibration on disk: the temperature and the thresholds that fit one encoder.
+"""A calibration on disk: temperature, "none of them" and thresholds that fit one encoder.
 
 A JSON object with ``format``, ``encoder`` (the model id it was fitted for), ``temperature``,
-``gate`` (the four thresholds), ``sha256`` of the data, and whatever else its writer tells.
+``null`` (scale and bias, or null where the data had nothing absent), ``gate`` (the four
+thresholds), ``label_set``, ``sha256`` of the data, and whatever else its writer tells.
 """
 
+import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
@@ -14,21 +16,27 @@ from sceneq_core.arrays import Float32
 from sceneq_core.checks import need_positive
 from sceneq_core.encoding.encoder import Crop, Encoder
 from sceneq_core.routing.gate import GateParams
+from sceneq_core.routing.null import NullParams
 from sceneq_core.routing.router import RouterParams
 
-FORMAT = "sceneq.calibration.v1"
+FORMAT, FORMER = "sceneq.calibration.v2", "sceneq.calibration.v1"
+NO_CALIBRATION = "none"
+MAKE = "sceneq calibrate"
 
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """``temperature`` T of softmax(s / T) and thresholds ``gate``, fitted for ``encoder``.
+    """``temperature`` T of softmax(s / T), ``null`` and ``gate``, fitted for ``encoder``.
 
-    ``sha256`` names the data it was fitted on, one digest a recording.
+    ``null``: how probable "none of them" is; ``None`` = the data did not tell. ``label_set``: what
+    the words competed with. ``sha256`` names the data it was fitted on, one digest a recording.
     """
 
     encoder: str
     temperature: float
     gate: GateParams
+    null: NullParams | None = None
+    label_set: str = ""
     sha256: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -40,13 +48,21 @@ class Calibration:
             "format": FORMAT,
             "encoder": self.encoder,
             "temperature": self.temperature,
+            "null": asdict(self.null) if self.null else None,
             "gate": asdict(self.gate),
+            "label_set": self.label_set,
             "sha256": list(self.sha256),
         }
 
+    @property
+    def name(self) -> str:
+        """What answers call it: the encoder, and a fingerprint of all numbers and of the data."""
+        content = json.dumps(self.as_dict(), sort_keys=True)
+        return f"{self.encoder}:{hashlib.sha256(content.encode()).hexdigest()[:8]}"
+
     def of_router(self, params: RouterParams) -> RouterParams:
-        """Return the parameters of a router with these thresholds."""
-        return replace(params, judge=replace(params.judge, gate=self.gate))
+        """Return the parameters of a router with these thresholds and this "none of them"."""
+        return replace(params, judge=replace(params.judge, gate=self.gate), null=self.null)
 
     def of_encoder(self, encoder: Encoder) -> Encoder:
         """Return the encoder with this temperature.
@@ -57,7 +73,7 @@ class Calibration:
         if encoder.model_id != self.encoder:
             raise ValueError(
                 f"calibration: made for the encoder '{self.encoder}', this one is "
-                f"'{encoder.model_id}' (make one for it: sceneq calibrate)"
+                f"'{encoder.model_id}' (make one for it: {MAKE})"
             )
         return Tempered(encoder, self.temperature)
 
@@ -81,16 +97,6 @@ class Tempered:
         return self._encoder.encode_texts(texts)
 
 
-def given_calibration(path: str) -> Calibration | None:
-    """Return the calibration that a parameter names, ``None`` for ""; errors as below."""
-    return read_calibration(Path(path)) if path else None
-
-
-def fitting(calibration: Calibration | None, encoder: Encoder) -> Calibration | None:
-    """Return the calibration if it was made for ``encoder``."""
-    return calibration if calibration and calibration.encoder == encoder.model_id else None
-
-
 def read_calibration(path: Path) -> Calibration:
     """Return the calibration in a file; raise ``ValueError`` naming the file and what is wrong."""
     try:
@@ -103,19 +109,39 @@ def read_calibration(path: Path) -> Calibration:
 
 
 def _calibration(document: Any) -> Calibration:
-    if not isinstance(document, dict) or document.get("format") != FORMAT:
+    if not isinstance(document, dict) or document.get("format") not in (FORMAT, FORMER):
         raise ValueError(f"format: expected {FORMAT!r} (sceneq calibrate writes one)")
+    if document["format"] == FORMER:
+        raise ValueError(f"format: {FORMER!r} knows no 'none of them' (make a new one: {MAKE})")
     encoder, gate = document.get("encoder"), document.get("gate")
     if not isinstance(encoder, str):
         raise ValueError(f"encoder: expected the id of a model, got {encoder!r}")
     if not isinstance(gate, dict):
         raise ValueError(f"gate: expected its thresholds, got {gate!r}")
-    limits = {field.name: _number(gate, field.name, "gate.") for field in fields(GateParams)}
     sha256 = document.get("sha256", [])
     if not isinstance(sha256, list):
         raise ValueError(f"sha256: expected a list, got {sha256!r}")
-    temperature = _number(document, "temperature")
-    return Calibration(encoder, temperature, GateParams(**limits), tuple(map(str, sha256)))
+    return Calibration(
+        encoder=encoder,
+        temperature=_number(document, "temperature"),
+        gate=GateParams(**_numbers(gate, GateParams, "gate.")),
+        null=_null(document),
+        label_set=str(document.get("label_set", "")),
+        sha256=tuple(map(str, sha256)),
+    )
+
+
+def _null(document: Mapping[str, Any]) -> NullParams | None:
+    null = document.get("null", "missing")
+    if null is None:
+        return None
+    if not isinstance(null, dict):
+        raise ValueError(f"null: expected scale and bias of 'none of them', got {null!r}")
+    return NullParams(**_numbers(null, NullParams, "null."))
+
+
+def _numbers(values: Mapping[str, Any], cls: type, where: str) -> dict[str, float]:
+    return {field.name: _number(values, field.name, where) for field in fields(cls)}
 
 
 def _number(values: Mapping[str, Any], name: str, where: str = "") -> float:

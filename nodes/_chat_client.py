@@ -12,7 +12,8 @@ import httpx2
 
 from sceneq_core.checks import need_positive, need_within
 from sceneq_core.reasoning.multiple_choice import VisualQuestion
-from sceneq_nodes._accounting import Ledger, OverBudgetError
+from sceneq_core.routing.budget import OverBudgetError
+from sceneq_nodes._accounting import Ledger
 from sceneq_nodes._chat_wire import (
     BadReplyError,
     Completion,

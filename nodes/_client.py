@@ -4,15 +4,23 @@ from collections.abc import Callable
 from typing import Any
 
 from sceneq_nodes._bus import QueryError, Reply
+from sceneq_nodes._credentials import Credentials
 from sceneq_nodes._runtime import close, get, live_nodes, open_session
 
 
 class Client:
     """A session of the router at ``endpoint``, to be used in a ``with`` block."""
 
-    def __init__(self, endpoint: str, timeout_s: float = 2.0) -> None:
-        """Connect; raise ``ConnectionError`` when no router answers within ``timeout_s``."""
-        self._session = open_session(endpoint, timeout_s)
+    def __init__(
+        self, endpoint: str, timeout_s: float = 2.0, credentials: Credentials | None = None
+    ) -> None:
+        """Connect, by default with the credentials in the environment.
+
+        Raises:
+            ConnectionError: no router answers within ``timeout_s``.
+            ValueError: the credentials cannot be used.
+        """
+        self._session = open_session(endpoint, timeout_s, credentials)
         self._declared: list[Any] = []
 
     def __enter__(self) -> "Client":

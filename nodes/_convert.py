@@ -8,12 +8,14 @@ import numpy as np
 
 from sceneq_core.arrays import Bool
 from sceneq_core.mapping.delta import Event, Instance, MapDelta, Place
+from sceneq_core.mapping.proposals import Proposals
 from sceneq_core.views.view import View, ViewSet
 from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.map import Event as EventMessage
 from sceneq_schemas.map import Instance as InstanceMessage
 from sceneq_schemas.map import MapDelta as MapDeltaMessage
 from sceneq_schemas.map import Place as PlaceMessage
+from sceneq_schemas.proposal import ProposalSet
 from sceneq_schemas.view import View as ViewMessage
 from sceneq_schemas.view import ViewSet as ViewSetMessage
 
@@ -38,6 +40,11 @@ def map_delta_from_message(message: MapDeltaMessage) -> MapDelta:
         for instance in message.instances
     )
     return _copy(MapDelta, message, instances=instances, events=_copies(Event, message.events))
+
+
+def proposal_message(proposals: Proposals, source: str) -> ProposalSet:
+    """Return ``proposals`` as somebody called ``source`` would send them."""
+    return _copy(ProposalSet, proposals, stamp_ns=0, source=source)
 
 
 def view_set_message(view_set: ViewSet) -> ViewSetMessage:
@@ -66,7 +73,7 @@ def view_set_from_message(message: ViewSetMessage) -> ViewSet:
     return ViewSet(message.instance_id, views)
 
 
-def _copy(cls: type[C], source: Any, **changes: Any) -> C:
+def _copy(cls: type[C], source: Any, /, **changes: Any) -> C:
     """Return a ``cls`` with ``changes`` and, for its other fields, those of ``source``."""
     names = [f.name for f in fields(cls) if f.name not in changes]  # type: ignore[arg-type]
     return cls(**{name: getattr(source, name) for name in names}, **changes)

@@ -1,5 +1,6 @@
 """Corrections of poses on their way into the map."""
 
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from sceneq_core.arrays import Float64
@@ -17,9 +18,16 @@ class Corrections:
     So a map made live equals one made from the recording, however long messages take.
     """
 
-    def __init__(self) -> None:
-        self._waiting: list[PoseCorrection] = []
-        self._poses: dict[int, Float64] = {}
+    def __init__(
+        self, waiting: Iterable[PoseCorrection] = (), poses: Mapping[int, Float64] | None = None
+    ) -> None:
+        """Go on with what ``parts`` of another gave."""
+        self._waiting = list(waiting)
+        self._poses = dict(poses or {})
+
+    def parts(self) -> tuple[list[PoseCorrection], dict[int, Float64]]:
+        """Return the corrections that wait and the newest poses by frame."""
+        return list(self._waiting), dict(self._poses)
 
     def offer(self, message: PoseCorrection) -> bool:
         """Take a correction; tell whether there was room for it."""

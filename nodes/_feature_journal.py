@@ -32,6 +32,17 @@ class FeatureJournal:
             removed=np.zeros(0, np.int32),
         )
 
+    def resume(self, seq: int, descriptors: Iterable[Descriptor], map_epoch: int) -> None:
+        """Go on with the descriptors of an earlier run, which wrote no delta beyond ``seq``."""
+        with self._lock:
+            self._descriptors = {one.instance_id: one for one in descriptors}
+            self._last = replace(self._last, seq=seq, map_epoch=map_epoch)
+
+    @property
+    def epoch(self) -> int:
+        """The name of this writer's state."""
+        return self._last.epoch
+
     @property
     def seq(self) -> int:
         """The number of the last delta."""
@@ -39,6 +50,11 @@ class FeatureJournal:
 
     def __len__(self) -> int:
         return len(self._descriptors)
+
+    def ids(self) -> set[int]:
+        """Return the instances that are described."""
+        with self._lock:
+            return set(self._descriptors)
 
     def __contains__(self, instance_id: int) -> bool:
         return instance_id in self._descriptors

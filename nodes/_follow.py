@@ -41,9 +41,11 @@ class Follower:
         apply: Callable[[Any], None],
         *,
         clock: Callable[[], float] = time.monotonic,
+        epoch: int | None = None,
         **ids: str,
     ) -> None:
-        self.epoch: int | None = None
+        """``epoch`` is that of the state at hand from an earlier run, if there is any."""
+        self.epoch = epoch
         self.seq = 0
         self.resyncs = 0
         self._bus = bus

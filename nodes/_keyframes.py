@@ -2,6 +2,7 @@
 
 import logging
 from collections import OrderedDict
+from threading import Lock
 
 from sceneq_core.arrays import UInt8
 from sceneq_core.views.jpeg import rgb_from_jpeg
@@ -19,7 +20,7 @@ class UnreachableError(Exception):
 
 
 class Keyframes:
-    """Remembers the last ``capacity`` pictures; one 640x480 takes 0.9 MB."""
+    """Remembers the last ``capacity`` pictures; one 640x480 takes 0.9 MB. Any thread may ask."""
 
     def __init__(self, bus: Bus, scene: str, capacity: int) -> None:
         self._bus = bus
@@ -27,6 +28,7 @@ class Keyframes:
         self._capacity = capacity
         self._images: OrderedDict[tuple[int, int], UInt8] = OrderedDict()
         self._skipped = 0
+        self._lock = Lock()
 
     def image(self, view: View) -> UInt8 | None:
         """Return the keyframe of ``view``, uint8 (H, W, 3), or ``None`` when it is gone for good.
@@ -35,15 +37,16 @@ class Keyframes:
             UnreachableError: the archive does not answer.
         """
         key = (view.seq, view.stamp_ns)
-        if key not in self._images:
-            rgb = self._fetch(view.seq)
-            if rgb is None:
-                return None
-            self._images[key] = rgb
-        self._images.move_to_end(key)
-        if len(self._images) > self._capacity:
-            self._images.popitem(last=False)
-        return self._images[key]
+        with self._lock:
+            if key not in self._images:
+                rgb = self._fetch(view.seq)
+                if rgb is None:
+                    return None
+                self._images[key] = rgb
+            self._images.move_to_end(key)
+            if len(self._images) > self._capacity:
+                self._images.popitem(last=False)
+            return self._images[key]
 
     def _fetch(self, seq: int) -> UInt8 | None:
         try:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from sceneq_nodes._bus import Context
+from sceneq_nodes._credentials import Credentials, given_credentials
 from sceneq_nodes._params import ParamError, did_you_mean
 from sceneq_schemas.topics import ID
 
@@ -28,10 +29,11 @@ class Launch:
 
 @dataclass(frozen=True, slots=True)
 class RouterLaunch:
-    """A machine's router: the endpoints it listens on and the other routers it joins."""
+    """A machine's router: where it listens, which others it joins, and how it proves itself."""
 
     listen: Sequence[str]
     connect: Sequence[str]
+    credentials: Credentials | None = None
 
 
 def read_launch(
@@ -51,16 +53,21 @@ def read_launch(
     if options.kind == ROUTER:
         router = graph.get("router", {})
         listen = [options.endpoint] if options.endpoint else router.get("listen")
-        return RouterLaunch(listen or [DEFAULT_ENDPOINT], router.get("connect", ()))
+        folder = router.get("credentials")
+        credentials = Credentials(Path(folder)) if folder else given_credentials(environment)
+        return RouterLaunch(listen or [DEFAULT_ENDPOINT], router.get("connect", ()), credentials)
     name = options.node or environment.get("SCENEQ_NODE") or options.kind
     if not name:
         raise ValueError("nothing to run: name a node kind, or set SCENEQ_GRAPH and SCENEQ_NODE")
     node = _node(graph, name) if graph else {"kind": options.kind or name, "params": {}}
+    scene = options.scene or graph.get("scene", "scene")
+    store = options.store or graph.get("store")
     context = Context(
         node=name,
-        scene=options.scene or graph.get("scene", "scene"),
+        scene=scene,
         robot=options.robot or graph.get("robot", "robot"),
         sensor=options.sensor or graph.get("sensor", "camera"),
+        store=Path(store) / scene if store else None,
     )
     _need_ids(context)
     endpoint = options.endpoint or graph.get("router", {}).get("endpoint", DEFAULT_ENDPOINT)
@@ -77,7 +84,7 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m sceneq_nodes", description=__doc__)
     parser.add_argument("kind", nargs="?", help=f"kind of node, or '{ROUTER}'")
     parser.add_argument("--param", action="append", default=[], metavar="KEY=VALUE")
-    for name in ("node", "scene", "robot", "sensor", "endpoint"):
+    for name in ("node", "scene", "robot", "sensor", "endpoint", "store"):
         parser.add_argument(f"--{name}")
     return parser.parse_args(arguments)
 

@@ -20,6 +20,7 @@ def new_router(
         ValueError: the calibration was made for another encoder.
     """
     known: Encoder = KnownTexts(encoder, (*label_set.labels, *FIXED_TEXTS))
-    if calibration is not None:
-        known, params = calibration.of_encoder(known), calibration.of_router(params)
-    return Router(params, known, Labeller(label_set, known))
+    if calibration is None:
+        return Router(params, known, Labeller(label_set, known))
+    known, params = calibration.of_encoder(known), calibration.of_router(params)
+    return Router(params, known, Labeller(label_set, known), calibration.name)

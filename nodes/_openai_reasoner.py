@@ -14,7 +14,8 @@ from urllib.parse import urlsplit
 from sceneq_core.checks import need_within
 from sceneq_core.reasoning.multiple_choice import VisualQuestion
 from sceneq_core.reasoning.visual import VisualParams, read_choices
-from sceneq_nodes._accounting import Budget, Ledger, Prices
+from sceneq_core.routing.budget import Budget
+from sceneq_nodes._accounting import Ledger, Prices
 from sceneq_nodes._chat_client import CallError, ChatClient, ChatParams
 from sceneq_nodes._circuit_breaker import BreakerParams, CircuitBreaker, OpenCircuitError
 from sceneq_nodes._shared_calls import SharedCalls

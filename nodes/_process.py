@@ -16,7 +16,7 @@ from threading import Event
 from typing import Any
 
 from sceneq_nodes._backends import load
-from sceneq_nodes._bus import Node
+from sceneq_nodes._bus import Context, Node
 from sceneq_nodes._counters import Counters
 from sceneq_nodes._health import Health, metrics
 from sceneq_nodes._launch import Launch, RouterLaunch, read_launch
@@ -53,6 +53,7 @@ def run_alone(launch: Launch) -> int:
         ValueError: an unknown kind or a bad parameter.
     """
     _prepare(launch.context.node)
+    _make_store(launch.context)
     node_class = load("nodes", launch.kind)
     return run(node_class, validate(node_class.Params, launch.params), launch)
 
@@ -76,7 +77,7 @@ def run(node_class: type[Node], params: Any, launch: Launch) -> int:
 
 def run_router(launch: RouterLaunch) -> int:
     """Route until a signal comes; raise ``ConnectionError`` when the port is taken."""
-    session = open_router(launch.listen, launch.connect)
+    session = open_router(launch.listen, launch.connect, launch.credentials)
     stop = Stop(leave=lambda: close(session))
     stop.install()
     log.info("listening on %s", ", ".join(launch.listen))
@@ -129,6 +130,20 @@ def _publish_health(bus: ZenohBus, health: Health) -> None:
     message = health.message(node, bus.depths())
     bus.publish(HEALTH, message, node=node)
     bus.publish(METRIC, {"node": node, "metrics": metrics(message)}, node=node)
+
+
+def _make_store(context: Context) -> None:
+    """Make the folder of the scene's durable files, for its owner's eyes only.
+
+    Where that is impossible the node runs all the same; who writes there says what fails.
+    """
+    if context.store is None:
+        return
+    try:
+        for folder in (context.store.parent, context.store):
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        log.error("store %s: %s; nothing of this run will be kept", context.store, error.strerror)
 
 
 def _prepare(name: str) -> None:

@@ -16,6 +16,7 @@ import zenoh
 
 from sceneq_nodes._bus import Context, Handler, QueryError, Received, Reply, Request
 from sceneq_nodes._counters import Counters
+from sceneq_nodes._credentials import Credentials, given_credentials
 from sceneq_nodes._inbox import Inbox, Raw
 from sceneq_nodes._queries import (
     ERROR_ENCODING,
@@ -262,11 +263,16 @@ def live_nodes(session: zenoh.Session) -> list[dict[str, str]]:
     return [ids for key in keys if (ids := LIVE.ids(key)) is not None]
 
 
-def open_session(endpoint: str, timeout_s: float | None = None) -> zenoh.Session:
+def open_session(
+    endpoint: str, timeout_s: float | None = None, credentials: Credentials | None = None
+) -> zenoh.Session:
     """Return a client session of the router at ``endpoint``.
+
+    ``credentials``: those in the environment when not given.
 
     Raises:
         ConnectionError: no router answers within ``timeout_s`` (``None`` = wait for ever).
+        ValueError: the credentials cannot be used.
     """
     connect = {
         "endpoints": [endpoint],
@@ -275,16 +281,26 @@ def open_session(endpoint: str, timeout_s: float | None = None) -> zenoh.Session
         "retry": {"period_init_ms": 100, "period_max_ms": 300},
     }
     try:
-        return _open("client", connect=connect)
+        return _open("client", credentials or given_credentials(), connect=connect)
     except zenoh.ZError as error:
         raise ConnectionError(f"no router at {endpoint}: start one with 'sceneq up'") from error
 
 
-def open_router(listen: Sequence[str], connect: Sequence[str]) -> zenoh.Session:
-    """Return a router session; raise ``ConnectionError`` when it cannot listen."""
+def open_router(
+    listen: Sequence[str], connect: Sequence[str], credentials: Credentials | None = None
+) -> zenoh.Session:
+    """Return a router session; with ``credentials`` it enforces their access rules.
+
+    Raises:
+        ConnectionError: it cannot listen.
+        ValueError: the credentials cannot be used.
+    """
     join = {"endpoints": list(connect), "timeout_ms": 0, "exit_on_failure": False}
+    entries = {"listen": {"endpoints": list(listen)}, "connect": join}
+    if credentials is not None:
+        entries["access_control"] = credentials.access()
     try:
-        return _open("router", listen={"endpoints": list(listen)}, connect=join)
+        return _open("router", credentials, **entries)
     except zenoh.ZError as error:
         reason = "the port is in use" if "in use" in str(error) else str(error)
         raise ConnectionError(f"cannot listen on {', '.join(listen)}: {reason}") from error
@@ -295,7 +311,8 @@ def close(session: zenoh.Session) -> None:
     session.close()  # type: ignore[no-untyped-call]
 
 
-def _open(mode: str, **entries: Any) -> zenoh.Session:
+def _open(mode: str, credentials: Credentials | None, **entries: Any) -> zenoh.Session:
     # On request only: it writes to stdout, as commands do.
     zenoh.try_init_log_from_env()  # type: ignore[no-untyped-call]
-    return zenoh.open(zenoh.Config.from_json5(json.dumps(session_config(mode, **entries))))
+    config = session_config(mode, credentials, **entries)
+    return zenoh.open(zenoh.Config.from_json5(json.dumps(config)))

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from sceneq_nodes._credentials import Credentials
+
 SHARED_MEMORY_POOL_BYTES = 64 * 1024 * 1024
 DROP_AFTER_US = 20_000
 """How long a full link may hold up a writer before the message is dropped."""
@@ -10,8 +12,12 @@ LEASE_MS = 5_000
 QUERY_TIMEOUT_MS = 30_000
 
 
-def session_config(mode: str, **entries: Any) -> dict[str, Any]:
+def session_config(
+    mode: str, credentials: Credentials | None = None, **entries: Any
+) -> dict[str, Any]:
     """Return the configuration of a session in ``mode`` (client, router) plus ``entries``.
+
+    With ``credentials`` links are mutual TLS, and no others are made.
 
     No multicast: a process talks to its machine's router and to nobody it was not told of, and a
     router does not wait half a second for others that might answer. Only
@@ -19,12 +25,13 @@ def session_config(mode: str, **entries: Any) -> dict[str, Any]:
     process leaves in /dev/shm is removed by the next one that starts; where /dev/shm is small or
     full, data goes over the link instead.
     """
+    link = _LINK if credentials is None else {**_LINK, **_encrypted(credentials)}
     return {
         "mode": mode,
         "scouting": {"multicast": {"enabled": False}, "delay": 0},
         "timestamping": {"enabled": True},
         "queries_default_timeout": QUERY_TIMEOUT_MS,
-        "transport": {"shared_memory": _SHARED_MEMORY, "link": _LINK},
+        "transport": {"shared_memory": _SHARED_MEMORY, "link": link},
         **entries,
     }
 
@@ -42,3 +49,7 @@ _LINK = {
     },
     "rx": {"buffer_size": 1024 * 1024},
 }
+
+
+def _encrypted(credentials: Credentials) -> dict[str, Any]:
+    return {"protocols": ["tls", "quic"], "tls": credentials.link()}

@@ -30,6 +30,33 @@ class ViewJournal:
             view_sets=(),
         )
 
+    def resume(
+        self,
+        seq: int,
+        view_sets: Iterable[ViewSet],
+        *,
+        frame_seq: int,
+        stamp_ns: int,
+        map_epoch: int,
+        map_seq: int,
+    ) -> None:
+        """Go on with the view sets of an earlier run, which wrote no delta beyond ``seq``."""
+        with self._lock:
+            self._view_sets = {one.instance_id: one for one in view_sets}
+            self._last = replace(
+                self._last,
+                seq=seq,
+                frame_seq=frame_seq,
+                stamp_ns=stamp_ns,
+                map_epoch=map_epoch,
+                map_seq=map_seq,
+            )
+
+    @property
+    def epoch(self) -> int:
+        """The name of this writer's state."""
+        return self._last.epoch
+
     @property
     def seq(self) -> int:
         """The number of the last delta."""

@@ -41,8 +41,9 @@ class VisualReasoner:
         """Ask which numbered box is meant, in one call with few pictures.
 
         Raises:
-            UnansweredError: no picture, no reply in time, or none that can be used.
+            UnansweredError: no picture, no reply in time, none that can be used, or not allowed.
         """
+        _need_to_spend(problem)
         end_s = _end_s(problem.time_s)
         targets = [c for c in problem.candidates if c.role == "target"]
         if not targets:
@@ -66,6 +67,7 @@ class VisualReasoner:
         Raises:
             UnansweredError: as ``solve``.
         """
+        _need_to_spend(problem)
         end_s = _end_s(problem.time_s)
         most = self._params.label_views
         seen = _fetch([problem.views], lambda there: _first_seqs(there[0], most), pictures, end_s)
@@ -124,6 +126,11 @@ def _fetch(
         if not left(end_s):
             raise UnansweredError("no time left to look")
         known |= {seq: pictures(seq, left(end_s)) for seq in missing}
+
+
+def _need_to_spend(problem: Problem | LabelProblem) -> None:
+    if not problem.may_spend:
+        raise UnansweredError("a call of a model is not allowed now")
 
 
 def _end_s(time_s: float) -> float:

@@ -16,7 +16,7 @@ Bad     a source that cannot be opened ends the process with code 2; a bad frame
 import logging
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -143,6 +143,8 @@ class Ingest:
         self._raw: Iterator[RawFrame | Skipped] = self._source.frames()
         self._window: Window[Frame] = Window(params.window, params.resend_s, params.tries)
         self._frames = self._keyframes = 0
+        self._last_seq = -1
+        self._lost: set[int] = set()
 
     def _meet(self, delta: ViewDelta) -> None:
         """Start again when mapping or views did: the map, or the pictures, are lost.
@@ -194,9 +196,11 @@ class Ingest:
             self._keyframes += 1
             codecs = self._params.rgb_codec, self._params.depth_codec
             message = frame_message(frame.keyframe, *codecs)
-            self._publish_keyframe(message)
             if self._pacer is None:
+                message = replace(message, after=self._last_seq)
+                self._last_seq = message.seq
                 self._window.sent(message.seq, message, time.monotonic())
+            self._publish_keyframe(message)
         self._report(self._state)
 
     def _publish_correction(self, frame: Ingested) -> None:
@@ -217,6 +221,8 @@ class Ingest:
 
     def _publish_keyframe(self, message: Frame) -> None:
         context = self._context
+        if message.after in self._lost:
+            message = replace(message, after=-1)
         self._bus.publish(FRAME, message, robot=context.robot, sensor=context.sensor)
 
     def _resend(self, now_s: float) -> None:
@@ -226,6 +232,7 @@ class Ingest:
         for seq in self._window.lost(now_s):
             log.error("keyframe %d lost: sent %d times, no view delta", seq, self._params.tries)
             self._bus.count("frames_lost")
+            self._lost.add(seq)
 
     def _graph_is_there(self, now_s: float) -> bool:
         if now_s < self._next_poll_s:

@@ -3,44 +3,65 @@
 Reads   sceneq/frame/<robot>/<sensor>/v1 and sceneq/mask/<scene>/v1 (latest wins), joined by seq.
         sceneq/pose/<robot>/correction/v1, from ingest or any SLAM system: the map moves along.
         sceneq/proposal/<scene>/v1: masks of a 3D network, which found instances.
-Writes  sceneq/map/<scene>/delta/v1 after every keyframe: epoch = start time in ms, seq from 1.
+Writes  sceneq/map/<scene>/delta/v1 after every keyframe: epoch = when the map was begun, in ms;
+        seq from 1, with a leap at every start. With a store (docs/durability.md) what entered the
+        map is on disk before its delta is sent, and the map goes on where the last process ended.
 Serves  sceneq/map/<scene>/@snapshot/v1: the whole map as one message.
-Rate    that of the keyframes; they are integrated in the order in which they become complete.
+Rate    that of the keyframes; they are integrated in the order in which they become complete,
+        or that of ``after`` where ingest names it: a frame that comes again is not overtaken.
 Bad     a frame without its segments (or the reverse) waits until ``max_waiting`` newer ones came,
         then it counts as ``frames_unmatched``; a seq that is already in the map counts as
         ``frames_repeated``; a frame that does not decode or fit counts as ``frames_refused``, one
         that would harm the map as ``frames_quarantined`` (it may be let in later); a correction
         that does not fit, or one of too many, counts as ``corrections_refused``, masks that do not
-        fit as ``proposals_refused``.
+        fit as ``proposals_refused``; a frame of another recording under a seq that is in the map
+        as ``frames_foreign``; a disk that fails as ``store_failed``, the map goes on without it.
 """
 
 import logging
 import threading
+import time
 from collections import OrderedDict
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
 
-from sceneq_core.mapping.mapper import Mapper, MapperParams
+from sceneq_core.mapping.delta import MapDelta
+from sceneq_core.mapping.mapper import MapperParams
 from sceneq_core.mapping.proposals import Proposals, ProposalSource
 from sceneq_nodes._backends import build
 from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
-from sceneq_nodes._convert import map_delta_message
-from sceneq_nodes._corrections import Corrections, correction_of
-from sceneq_nodes._epoch import new_epoch
-from sceneq_nodes._images import frame_from_message
+from sceneq_nodes._convert import map_delta_message, proposal_message
+from sceneq_nodes._map_store import StoreParams, open_store
+from sceneq_nodes._mapped import (
+    CORRECTION,
+    GIVEN,
+    KEYFRAME,
+    PROPOSED,
+    REFUSED,
+    Mapped,
+    refused_bytes,
+)
 from sceneq_nodes._wire import to_bytes
+from sceneq_schemas.codec import encode
 from sceneq_schemas.correction import PoseCorrection
-from sceneq_schemas.errors import DecodeError
-from sceneq_schemas.frame import Frame as FrameMessage
+from sceneq_schemas.frame import Frame
 from sceneq_schemas.mask import Masks
 from sceneq_schemas.proposal import ProposalSet
-from sceneq_schemas.topics import FRAME, MAP_DELTA, MAP_SNAPSHOT, MASK, POSE_CORRECTION, PROPOSAL
+from sceneq_schemas.topics import (
+    FRAME,
+    MAP_DELTA,
+    MAP_SNAPSHOT,
+    MASK,
+    POSE_CORRECTION,
+    PROPOSAL,
+    Topic,
+)
 
 log = logging.getLogger(__name__)
 
-REMEMBERED_SEQS = 65_536
 CORRECTIONS_DEPTH = 8
 
 
@@ -54,6 +75,7 @@ class MappingParams:
     mapper: MapperParams = field(default_factory=MapperParams)
     max_waiting: int = 16
     proposals: dict[str, Any] = field(default_factory=lambda: {"kind": "none"})
+    store: StoreParams = field(default_factory=StoreParams)
 
     def __post_init__(self) -> None:
         if self.max_waiting < 1:
@@ -69,109 +91,123 @@ class Mapping:
     def __init__(self, params: MappingParams, context: Context) -> None:
         self._params = params
         self._context = context
-        self._frames: OrderedDict[int, FrameMessage] = OrderedDict()
+        self._frames: OrderedDict[int, Frame] = OrderedDict()
         self._masks: OrderedDict[int, Masks] = OrderedDict()
-        self._done: OrderedDict[int, None] = OrderedDict()
-        self._corrections = Corrections()
         self._reasons: set[str] = set()
         self._lock = threading.Lock()
 
     def open(self, bus: Bus) -> None:
-        """Start an empty map, subscribe to both inputs and serve the snapshot."""
+        """Bring back the map or start an empty one, subscribe to the inputs, serve the snapshot."""
         self._bus = bus
-        self._mapper = Mapper(self._params.mapper)
         source: ProposalSource = build("proposals", self._params.proposals, ("proposals",))
-        if (proposals := source.load()) is not None:
-            self._mapper.propose(proposals)
-        self._epoch, self._seq, self._marked = new_epoch(), 0, 0
-        self._newest = (-1, 0)
+        self._mapped = Mapped(self._params.mapper)
+        self._store = open_store(self._context.store, self._params.store, self._mapped, bus.count)
+        self._epoch, self._seq = self._store.epoch, self._store.first_seq
+        self._marked = 0
+        if (given := source.load()) is not None:
+            self._take_given(given)
         context, depth = self._context, self._params.max_waiting
         bus.subscribe(FRAME, depth=depth, robot=context.robot, sensor=context.sensor)
         bus.subscribe(MASK, depth=depth, scene=context.scene)
         bus.subscribe(POSE_CORRECTION, depth=CORRECTIONS_DEPTH, robot=context.robot)
         bus.subscribe(PROPOSAL, depth=1, scene=context.scene)
         bus.serve(MAP_SNAPSHOT, self._snapshot, scene=context.scene)
+        self._report()
 
     def step(self, received: Received | None) -> None:
         """Keep one half of a keyframe, or integrate the keyframe when both are there."""
-        if received is None:
-            self._mark_silence()
-            return
-        message = received.message
-        if received.topic is POSE_CORRECTION:
-            self._take_correction(message)
-            return
-        if received.topic is PROPOSAL:
-            self._propose(message)
-            return
-        if message.seq in self._done:
-            if received.topic is FRAME:
-                self._bus.count("frames_repeated")
-                self._publish_unchanged(message.seq, message.stamp_ns)
-            return
-        half = self._frames if received.topic is FRAME else self._masks
-        half[message.seq] = message
-        if message.seq in self._frames and message.seq in self._masks:
-            self._integrate(self._frames.pop(message.seq), self._masks.pop(message.seq))
-        self._drop_oldest(half)
+        with self._lock:
+            if received is None:
+                self._mark_silence()
+            elif received.topic is POSE_CORRECTION:
+                self._take_correction(received.message)
+            elif received.topic is PROPOSAL:
+                self._propose(received.message)
+            else:
+                self._take_half(received.topic, received.message)
 
     def close(self) -> None:
-        """Nothing to release."""
+        """Let go of the files of the store."""
+        self._store.close()
 
-    def _integrate(self, frame: FrameMessage, masks: Masks) -> None:
-        _remember(self._done, frame.seq)
-        self._correct(frame.seq)
-        frame = self._corrections.corrected(frame)
+    def _take_half(self, topic: Topic, message: Frame | Masks) -> None:
+        stamp_ns = self._mapped.stamp_of(message.seq)
+        if stamp_ns is not None:
+            if topic is FRAME:
+                self._say_known(message, stamp_ns)
+            return
+        half: OrderedDict[int, Any] = self._frames if topic is FRAME else self._masks
+        half[message.seq] = message
+        while (seq := self._next_complete()) is not None:
+            self._integrate(self._frames.pop(seq), self._masks.pop(seq))
+        self._drop_oldest(half)
+
+    def _next_complete(self) -> int | None:
+        """Return a frame that is there with its masks, and after the one it is to come after."""
+        complete = (frame for seq, frame in self._frames.items() if seq in self._masks)
+        return next((frame.seq for frame in complete if self._mapped.may_come(frame)), None)
+
+    def _say_known(self, frame: Frame | Masks, stamp_ns: int) -> None:
+        """Answer a frame whose seq is in the map, so that nobody sends it again."""
+        if frame.stamp_ns == stamp_ns:
+            self._bus.count("frames_repeated")
+        else:
+            self._bus.count("frames_foreign")
+            told = "the map is of another recording, under another scene name this one has its own"
+            self._warn_once("foreign", "frame %d, stamp %d: %s", frame.seq, frame.stamp_ns, told)
+        self._publish_unchanged(frame.seq, frame.stamp_ns)
+
+    def _integrate(self, frame: Frame, masks: Masks) -> None:
+        """Change the map, commit what changed it, and only then tell what came of it."""
+        began_s = time.monotonic()
+        deltas = self._correct(frame.seq)
         try:
-            with self._lock:
-                delta = self._mapper.integrate(frame_from_message(frame), masks.label_image)
-                self._seq += 1
-        except (DecodeError, ValueError) as error:
+            delta = self._mapped.integrate(frame, masks)
+        except ValueError as error:
             self._bus.count("frames_refused")
             log.warning("frame %d refused: %s", frame.seq, error)
+            self._store.keep(REFUSED, refused_bytes(frame.seq, frame.stamp_ns))
+            self._publish_all(deltas)
             self._publish_unchanged(frame.seq, frame.stamp_ns)  # nobody need send it again
             return
-        message = map_delta_message(delta, self._epoch, self._seq)
-        self._bus.publish(MAP_DELTA, message, scene=self._context.scene)
-        self._newest = (frame.seq, frame.stamp_ns)
-        if delta.quarantined:
-            self._say_quarantined(frame, delta.quarantined)
-        else:
-            self._bus.count("frames_integrated")
-        let_in, counts = self._mapper.let_in, self._mapper.counts()
-        self._bus.report(frame_seq=frame.seq, quarantined_let_in=let_in, **counts)
+        self._store.keep(KEYFRAME, frame, masks)
+        self._publish_all([*deltas, delta])
+        self._say_integrated(frame, delta)
+        self._store.worked(time.monotonic() - began_s)
 
-    def _say_quarantined(self, frame: FrameMessage, reason: str) -> None:
-        """Count it and, once for every kind of reason, log it."""
-        self._bus.count("frames_quarantined")
-        kind = reason.partition(":")[0]
-        if kind not in self._reasons:
-            self._reasons.add(kind)
+    def _say_integrated(self, frame: Frame, delta: MapDelta) -> None:
+        if not delta.quarantined:
+            self._bus.count("frames_integrated")
+        else:
+            self._bus.count("frames_quarantined")
+            kind = delta.quarantined.partition(":")[0]
             where = np.round(frame.T_world_camera[:3, 3], 2).tolist()
-            log.warning("frame %d kept out of the map, camera at %s: %s", frame.seq, where, reason)
+            message = "frame %d kept out of the map, camera at %s: %s"
+            self._warn_once(kind, message, frame.seq, where, delta.quarantined)
+        self._report()
+
+    def _report(self) -> None:
+        mapper = self._mapped.mapper
+        counts, let_in = mapper.counts(), mapper.let_in
+        self._bus.report(frame_seq=self._mapped.newest[0], quarantined_let_in=let_in, **counts)
 
     def _take_correction(self, message: PoseCorrection) -> None:
-        if not self._corrections.offer(message):
+        if not self._mapped.offer(message):
             self._refuse_correction(message, "too many wait for their frame")
-        self._correct(self._newest[0])
+            return
+        self._store.keep(CORRECTION, message)
+        self._publish_all(self._correct(self._mapped.newest[0]))
 
-    def _correct(self, frame_seq: int) -> None:
+    def _correct(self, frame_seq: int) -> list[MapDelta]:
         """Apply the corrections that hold from ``frame_seq`` on, or from earlier."""
-        for correction in self._corrections.due(frame_seq):
-            try:
-                with self._lock:
-                    delta = self._mapper.correct(correction_of(correction))
-                    self._seq += 1
-            except ValueError as error:
-                self._refuse_correction(correction, str(error))
-                continue
-            self._bus.count("corrections_applied")
-            message = map_delta_message(delta, self._epoch, self._seq)
-            try:
-                self._bus.publish(MAP_DELTA, message, scene=self._context.scene)
-            except ValueError as error:  # too large: the gap in seq sends readers to the snapshot
-                self._bus.count("corrections_unsent")
-                log.warning("map after correction %d not sent: %s", correction.seq, error)
+        deltas = []
+        for correction, outcome in self._mapped.due(frame_seq):
+            if isinstance(outcome, ValueError):
+                self._refuse_correction(correction, str(outcome))
+            else:
+                self._bus.count("corrections_applied")
+                deltas.append(outcome)
+        return deltas
 
     def _refuse_correction(self, correction: PoseCorrection, reason: str) -> None:
         self._bus.count("corrections_refused")
@@ -179,34 +215,39 @@ class Mapping:
 
     def _propose(self, message: ProposalSet) -> None:
         try:
-            self._mapper.propose(
-                Proposals(
-                    message.points_world,
-                    message.mask_id,
-                    message.point_id,
-                    message.score,
-                    message.label,
-                )
-            )
+            self._mapped.propose(message)
         except ValueError as error:
             self._bus.count("proposals_refused")
             log.warning("proposals of %s refused: %s", message.source, error)
         else:
+            self._store.keep(PROPOSED, message)
             self._bus.count("proposals_taken")
+
+    def _take_given(self, proposals: Proposals) -> None:
+        """Take the masks of the graph's own source, unless the map came back with them."""
+        data = encode(proposal_message(proposals, self._params.proposals["kind"]))
+        if self._mapped.give(data):
+            self._store.keep(GIVEN, data)
 
     def _mark_silence(self) -> None:
         """Let readers see, once, that nothing follows: else a lost last delta shows to nobody."""
         if self._seq != self._marked:
-            self._publish_unchanged(*self._newest)
+            self._publish_unchanged(*self._mapped.newest)
             self._marked = self._seq
 
     def _publish_unchanged(self, seq: int, stamp_ns: int) -> None:
         """Say that frame ``seq`` is in the map: whoever sends it again missed that."""
-        with self._lock:
-            delta = self._mapper.unchanged(seq, stamp_ns)
+        self._publish_all([self._mapped.mapper.unchanged(seq, stamp_ns)])
+
+    def _publish_all(self, deltas: Iterable[MapDelta]) -> None:
+        for delta in deltas:
             self._seq += 1
-        message = map_delta_message(delta, self._epoch, self._seq)
-        self._bus.publish(MAP_DELTA, message, scene=self._context.scene)
+            message = map_delta_message(delta, self._epoch, self._seq)
+            try:
+                self._bus.publish(MAP_DELTA, message, scene=self._context.scene)
+            except ValueError as error:  # too large: the gap in seq sends readers to the snapshot
+                self._bus.count("deltas_unsent")
+                log.warning("map %d:%d not sent: %s", self._epoch, self._seq, error)
 
     def _drop_oldest(self, half: OrderedDict[int, Any]) -> None:
         if len(half) > self._params.max_waiting:
@@ -217,12 +258,11 @@ class Mapping:
     def _snapshot(self, request: Request) -> Reply:
         """Copy the map between two keyframes; encoding does not hold mapping up."""
         with self._lock:
-            snapshot, seq = self._mapper.snapshot(), self._seq
+            snapshot, seq = self._mapped.mapper.snapshot(), self._seq
         message = map_delta_message(snapshot, self._epoch, seq)
         return Reply(to_bytes(MAP_SNAPSHOT, message), MAP_SNAPSHOT.encoding)
 
-
-def _remember(done: OrderedDict[int, None], seq: int) -> None:
-    done[seq] = None
-    if len(done) > REMEMBERED_SEQS:
-        done.popitem(last=False)
+    def _warn_once(self, kind: str, message: str, *values: Any) -> None:
+        if kind not in self._reasons:
+            self._reasons.add(kind)
+            log.warning(message, *values)

@@ -2,7 +2,8 @@
 
 Reads   map and view deltas of the scene, descriptors of its encoder's model (state: gaps are
         healed from snapshots, so a restarted node catches up), and the robot's newest pose.
-Serves  sceneq/query/<scene>/{instances,ask,label,status,labels,last}; asks sceneq/reason/<scene>.
+Serves  sceneq/query/<scene>/{instances,ask,label,status,labels,last,names} and, what changes names,
+        sceneq/teach/<scene>/{set,forget}; asks sceneq/reason/<scene>. Names are kept in the store.
 Rate    queries are answered on a pool from an immutable snapshot in memory; ``step`` swaps it.
         With ``meanwhile``, answers come from the former encoder until the new one's descriptors
         cover the map, then all at once from the new one.
@@ -15,29 +16,33 @@ import logging
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
-from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from sceneq_core.checks import need_within
 from sceneq_core.encoding.encoder import Encoder
 from sceneq_core.mapping.delta import Instance
-from sceneq_core.routing.labels import LabelSet, custom, named
-from sceneq_core.routing.router import RouterParams
 from sceneq_core.routing.scene import Revision
+from sceneq_core.teaching.album import Album
 from sceneq_nodes._answer_json import Json
 from sceneq_nodes._asked_reasoner import AskedReasoner
 from sceneq_nodes._backends import build
 from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
-from sceneq_nodes._calibration import Calibration, fitting, given_calibration
+from sceneq_nodes._calibration import Calibration
+from sceneq_nodes._chosen_calibration import chosen_calibration, former_calibration
 from sceneq_nodes._convert import map_delta_from_message
 from sceneq_nodes._follow import Follower
 from sceneq_nodes._front_door import FrontDoor
+from sceneq_nodes._label_stream import LabelStream
+from sceneq_nodes._likeness_file import judgement_of
+from sceneq_nodes._name_keeper import NameKeeper
 from sceneq_nodes._new_router import new_router
+from sceneq_nodes._purse import Purse
+from sceneq_nodes._routing_params import RoutingParams
 from sceneq_nodes._scene_input import is_finite, view_refs
 from sceneq_nodes._space import Space, in_background
+from sceneq_nodes._teaching_desk import TeachingDesk
 from sceneq_schemas import topics
 from sceneq_schemas.feature import FeatureDelta
 from sceneq_schemas.frame import Pose
@@ -45,37 +50,6 @@ from sceneq_schemas.map import MapDelta
 from sceneq_schemas.view import ViewDelta
 
 log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True, slots=True)
-class RoutingParams:
-    """``encoder`` must be that of the encoding node: only its texts compare with its images.
-
-    ``labels`` replaces the named ``label_set``. ``calibration``: path of what ``sceneq calibrate``
-    wrote; its temperature and thresholds replace those of encoder and gate. ``reason_timeout_s``:
-    how long a question waits for the reasoner before it is answered without.
-
-    ``meanwhile``: the encoder to answer with until ``encoder`` describes the share ``cover`` of the
-    instances that the former can answer with; after that it has no effect.
-    """
-
-    encoder: dict[str, Any] = field(default_factory=lambda: {"kind": "conse"})
-    label_set: str = "scannet200"
-    labels: tuple[str, ...] = ()
-    router: RouterParams = field(default_factory=RouterParams)
-    calibration: str = ""
-    reason_timeout_s: float = 10.0
-    meanwhile: dict[str, Any] | None = None
-    cover: float = 0.95
-
-    def __post_init__(self) -> None:
-        need_within(self, 0, 1, "cover")
-        if not 0 < self.reason_timeout_s <= 600:
-            raise ValueError(f"reason_timeout_s: {self.reason_timeout_s} is not in (0, 600]")
-
-    def chosen_labels(self) -> LabelSet:
-        """Return the set of ``labels``, or the named one."""
-        return custom(self.labels) if self.labels else named(self.label_set)
 
 
 class Routing:
@@ -94,17 +68,19 @@ class Routing:
         self._bus = bus
         params = self._params
         encoder: Encoder = build("encoder", params.encoder, ("encoder",))
-        calibration = given_calibration(params.calibration)
+        calibration = chosen_calibration(params.calibration, encoder)
         self._next: Space | None = None
         self._coming: Future[Space] | None = None
         former = build("encoder", params.meanwhile, ("meanwhile",)) if params.meanwhile else encoder
+        self._keeper = NameKeeper(bus, params.names, former.model_id)
         if former.model_id == encoder.model_id:
             self._space = self._new_space(encoder, calibration)
         else:
-            self._space = self._new_space(former, fitting(calibration, former))
-            if calibration is not None:
-                calibration.of_encoder(encoder)
+            known = former_calibration(params.calibration, former)
+            self._space = self._new_space(former, known)
             self._coming = in_background(partial(self._new_space, encoder, calibration))
+        self._names = LabelStream(bus, self._context.scene)
+        self._purse = Purse(bus, params.budget, params.policy)
         self._serve()
         self._follow()
 
@@ -120,6 +96,7 @@ class Routing:
         for follower in list(self._followers.values()):
             follower.tick()
         self._arrive()
+        self._names.tick(self._space.model, self._space.router.namer, self._space.look.snapshot)
 
     def close(self) -> None:
         """Nothing to release."""
@@ -151,13 +128,20 @@ class Routing:
     def _new_space(self, encoder: Encoder, calibration: Calibration | None) -> Space:
         params = self._params
         labels = params.chosen_labels()
-        return Space(encoder, new_router(encoder, labels, params.router, calibration))
+        router = new_router(encoder, labels, params.router, calibration)
+        album = Album(encoder.model_id, judgement_of(encoder.model_id, params.likeness))
+        return Space(encoder, router, self._keeper, album)
 
     def _new_door(self, space: Space) -> FrontDoor:
         scene = self._context.scene
-        asked = AskedReasoner(self._bus, scene, self._params.reason_timeout_s)
+        params, purse = self._params, self._purse
+        asked = AskedReasoner(self._bus, scene, params.reason_timeout_s, purse, params.remembered)
         return FrontDoor(
-            *(scene, space.router, lambda: space.look, asked.solve, self._health), name=asked.label
+            *(scene, space.router, lambda: space.look, asked.solve, self._health),
+            name=asked.label,
+            told=self._names.tell,
+            policy=purse,
+            seeing=space.see,
         )
 
     def _serve(self) -> None:
@@ -172,6 +156,10 @@ class Routing:
             (topics.QUERY_LAST, FrontDoor.last),
         ):
             self._bus.serve(topic, partial(self._answer, handler), scene=scene)
+        desk = TeachingDesk(scene, self._keeper, lambda: self._space)
+        self._bus.serve(topics.QUERY_NAMES, desk.names, scene=scene)
+        self._bus.serve(topics.TEACH_SET, desk.set, scene=scene)
+        self._bus.serve(topics.TEACH_FORGET, desk.forget, scene=scene)
 
     def _answer(
         self, handler: Callable[[FrontDoor, Request], Reply | None], request: Request
@@ -207,6 +195,7 @@ class Routing:
         revision = Revision(message.epoch, message.seq, message.frame_seq, message.stamp_ns)
         delta = map_delta_from_message(message)
         instances = [one for one in delta.instances if self._usable(one)]
+        self._keeper.follow(message.epoch, instances)
         for space in self._spaces():
             space.scene.apply_map(revision, instances, delta.up_world, full=delta.full)
         self._swap(time.monotonic())
@@ -225,12 +214,14 @@ class Routing:
         if message.model_id != space.model:
             self._refuse("descriptors_refused", f"{message.model_id} on the key of {space.model}")
             return
-        descriptors = {}
+        looks = {}
         for one in message.descriptors:
-            if space.scene.accepts(one.descriptor):
-                descriptors[one.instance_id] = one.descriptor
+            if space.scene.accepts(one.descriptor) and np.isfinite(one.feature).all():
+                looks[one.instance_id] = (one.descriptor, one.feature)
             else:
                 self._refuse("descriptors_refused", f"descriptor of instance {one.instance_id}")
+        descriptors = {instance_id: descriptor for instance_id, (descriptor, _) in looks.items()}
+        space.album.put(message.map_epoch, looks, message.removed.tolist())
         space.scene.apply_descriptors(message.map_epoch, descriptors, message.removed)
         self._swap(self._space.look.map_arrived_s)
 
@@ -269,6 +260,7 @@ class Routing:
         if new is None or former.share_in(new) < max(self._params.cover, 1e-9):
             return
         self._space, self._next = new, None
+        self._keeper.leading = new.model
         del self._followers[_place(topics.FEATURE_DELTA, former.model)]
         self._bus.count("encoder_switches")
         log.warning("answers come from the encoder %s now, not %s", new.model, former.model)
@@ -282,6 +274,7 @@ class Routing:
             "model": space.model,
             "alive": sorted(self._bus.alive()),
             "synced": {name: f.synced for (name, _), f in list(self._followers.items())},
+            "reasoning": self._purse.status(),
             **({"next_covers": covered} if new or self._coming else {}),
         }
 

@@ -8,24 +8,28 @@ Serves  sceneq/view/<scene>/@snapshot/v1 and @image/v1 (JPEG of a keyframe, ``?s
 Rate    as the map changes, about 3 Hz; STATE delivery, gaps are healed from the snapshot.
 Bad     frames that the map never takes in are let go (``frames_unmatched``), frames that do not
         decode are acknowledged and skipped (``frames_bad``), like those that the map keeps out
-        (``frames_kept_out``); a delta that contradicts the map too (``map_delta_bad``).
+        (``frames_kept_out``); a delta that contradicts the map too (``map_delta_bad``). A disk that
+        fails counts as ``store_failed``; with a store (docs/durability.md) a new process goes on
+        with the keyframes and views of the last one.
 """
 
 import logging
 from collections import deque
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from sceneq_core.views.archive import ArchiveParams
 from sceneq_core.views.choice import ChoiceParams
 from sceneq_core.views.selector import ViewParams, ViewSelector
 from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
 from sceneq_nodes._convert import map_delta_from_message, view_set_message
-from sceneq_nodes._epoch import new_epoch
+from sceneq_nodes._epoch import first_seq, new_epoch
 from sceneq_nodes._follow import Follower
 from sceneq_nodes._images import frame_from_message
+from sceneq_nodes._order import may_come
 from sceneq_nodes._view_image import answer_image
 from sceneq_nodes._view_journal import ViewJournal
+from sceneq_nodes._view_store import open_view_store
 from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.frame import Frame
 from sceneq_schemas.map import MapDelta
@@ -76,15 +80,22 @@ class Views:
         self._mapped: deque[int] = deque(maxlen=REMEMBERED)
         self._quarantined: deque[int] = deque(maxlen=REMEMBERED)
         self._newest = (-1, 0)
+        self._marked = 0
 
     def open(self, bus: Bus) -> None:
         """Subscribe to frames and the map, serve the snapshot and the pictures."""
         context, self._bus = self._context, bus
-        self._journal, self._marked = ViewJournal(epoch=new_epoch()), 0
+        self._store = open_view_store(context.store, self._selector, self._parts, bus.count)
+        kept = self._store.resume() if self._store else {}
+        self._map = Follower(
+            *(bus, MAP_DELTA, MAP_SNAPSHOT, self._follow),
+            epoch=kept.get("map_epoch") or None,
+            scene=context.scene,
+        )
+        self._begin_run(kept)
         bus.subscribe(FRAME, depth=self._params.waiting, robot=context.robot, sensor=context.sensor)
         bus.serve(VIEW_SNAPSHOT, self._journal.answer, scene=context.scene)
         bus.serve(VIEW_IMAGE, self._answer_image, scene=context.scene)
-        self._map = Follower(bus, MAP_DELTA, MAP_SNAPSHOT, self._follow, scene=context.scene)
         self._map.open()
 
     def step(self, received: Received | None) -> None:
@@ -104,7 +115,51 @@ class Views:
             self._marked = self._journal.seq
 
     def close(self) -> None:
-        """Nothing to release."""
+        """Let go of the store."""
+        if self._store:
+            self._store.close()
+
+    def _parts(self) -> dict[str, Any]:
+        """Return what is to come back after the process has ended, beside the selector's."""
+        return {
+            "epoch": self._journal.epoch,
+            "run": self._run,
+            "map_epoch": self._map.epoch or 0,
+            "map_seq": self._map.seq,
+            "newest": self._newest,
+            "observed": list(self._observed),
+            "mapped": list(self._mapped),
+            "quarantined": list(self._quarantined),
+        }
+
+    def _begin_run(self, kept: dict[str, Any]) -> None:
+        """Go on where the last run ended, or begin; what cannot be noted begins under a new name.
+
+        Else the next run would number its deltas as this one does.
+        """
+        self._run = kept.get("run", -1) + 1
+        self._journal = ViewJournal(kept.get("epoch") or new_epoch())
+        for name in ("observed", "mapped", "quarantined"):
+            getattr(self, f"_{name}").extend(kept.get(name, ()))
+        self._newest = kept.get("newest", self._newest)
+        if self._store:
+            self._store.keep()
+            if self._store.is_behind:
+                self._journal, self._run = ViewJournal(new_epoch()), 0
+        if kept:
+            self._resume_journal(kept["map_epoch"], kept["map_seq"])
+        self._report()
+
+    def _resume_journal(self, map_epoch: int, map_seq: int) -> None:
+        frame_seq, stamp_ns = self._newest
+        self._journal.resume(
+            first_seq(self._run),
+            map(view_set_message, self._selector.view_sets()),
+            frame_seq=frame_seq,
+            stamp_ns=stamp_ns,
+            map_epoch=map_epoch,
+            map_seq=map_seq,
+        )
 
     def _follow(self, delta: MapDelta) -> None:
         """Take over a map delta; a whole map holds the older frames that wait as well."""
@@ -140,8 +195,12 @@ class Views:
             log.warning("frame %d: skipped, the map has not taken it in", oldest)
 
     def _join(self) -> None:
+        """Look at the keyframes that the map holds, none before the one it is to come after."""
+        known = [seq for seq, _ in self._observed]
         for seq in sorted(self._waiting.keys() & set(self._mapped)):
-            self._observe(self._waiting.pop(seq))
+            if may_come(self._waiting[seq], known, min(known, default=None)):
+                self._observe(self._waiting.pop(seq))
+                known.append(seq)
 
     def _observe(self, message: Frame) -> None:
         if message.seq in self._quarantined:
@@ -166,6 +225,8 @@ class Views:
         if not (changed or always):
             return
         seq, stamp_ns = self._newest
+        if self._store:
+            self._store.keep()
         delta = self._journal.write(
             changed,
             frame_seq=seq,

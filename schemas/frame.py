@@ -26,7 +26,9 @@ class Frame:
 
     ``rgb`` is RGB uint8 (H, W, 3); ``depth_mm`` is uint16 (H, W) millimetres along the optical
     axis in the colour camera, 0 = no measurement; ``K`` pinhole intrinsics in pixels;
-    ``T_world_camera`` maps camera to world coordinates in metres (OpenCV axes).
+    ``T_world_camera`` maps camera to world coordinates in metres (OpenCV axes). ``after`` is the
+    seq of the keyframe that has to be taken in before, -1 = none: a lost one comes again, and is
+    not to be overtaken.
     """
 
     VERSION: ClassVar[int] = 1
@@ -37,6 +39,7 @@ class Frame:
     depth_mm: ImageData
     K: Annotated[Array, ArraySpec("<f8", (3, 3))]
     T_world_camera: Annotated[Array, ArraySpec("<f8", (4, 4))]
+    after: int = -1
 
 
 @dataclass(frozen=True, slots=True)

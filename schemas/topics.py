@@ -7,6 +7,7 @@ from enum import Enum
 from sceneq_schemas.correction import PoseCorrection
 from sceneq_schemas.feature import FeatureDelta
 from sceneq_schemas.frame import Frame, Pose
+from sceneq_schemas.label import LabelDelta
 from sceneq_schemas.map import MapDelta
 from sceneq_schemas.mask import Masks
 from sceneq_schemas.proposal import ProposalSet
@@ -139,6 +140,12 @@ FEATURE_SNAPSHOT = Topic(
     64 * MIB,
     FeatureDelta,
 )
+LABEL_DELTA = Topic(
+    "label_delta", "sceneq/label/{scene}/delta/v1", "routing", _S, 2, 32 * MIB, LabelDelta
+)
+LABEL_SNAPSHOT = Topic(
+    "label_snapshot", "sceneq/label/{scene}/@snapshot/v1", "routing", _Q, 0, 64 * MIB, LabelDelta
+)
 REASON = Topic("reason", "sceneq/reason/{scene}/v1", "reasoning", _Q, 0, MIB)
 QUERY_INSTANCES = Topic("answer", "sceneq/query/{scene}/instances", "routing", _Q, 0, MIB)
 QUERY_ASK = Topic("answer", "sceneq/query/{scene}/ask", "routing", _Q, 0, MIB)
@@ -146,6 +153,9 @@ QUERY_LABEL = Topic("label", "sceneq/query/{scene}/label", "routing", _Q, 0, MIB
 QUERY_STATUS = Topic("status", "sceneq/query/{scene}/status", "routing", _Q, 0, MIB)
 QUERY_LABELS = Topic("labels", "sceneq/query/{scene}/labels", "routing", _Q, 0, MIB)
 QUERY_LAST = Topic("last", "sceneq/query/{scene}/last", "routing", _Q, 0, MIB)
+QUERY_NAMES = Topic("names", "sceneq/query/{scene}/names", "routing", _Q, 0, MIB)
+TEACH_SET = Topic("taught", "sceneq/teach/{scene}/set", "routing", _Q, 0, MIB)
+TEACH_FORGET = Topic("forgotten", "sceneq/teach/{scene}/forget", "routing", _Q, 0, MIB)
 HEALTH = Topic("health", "sceneq/health/{node}", "every node", _B, 1, 64 * 1024)
 METRIC = Topic("metric", "sceneq/metric/{node}", "every node", _B, 1, 64 * 1024)
 CONTROL = Topic("control", "sceneq/ctl/{node}/{verb}", "every node", _Q, 0, 64 * 1024)
@@ -164,6 +174,8 @@ TOPICS = (
     VIEW_IMAGE,
     FEATURE_DELTA,
     FEATURE_SNAPSHOT,
+    LABEL_DELTA,
+    LABEL_SNAPSHOT,
     REASON,
     QUERY_INSTANCES,
     QUERY_ASK,
@@ -171,6 +183,9 @@ TOPICS = (
     QUERY_STATUS,
     QUERY_LABELS,
     QUERY_LAST,
+    QUERY_NAMES,
+    TEACH_SET,
+    TEACH_FORGET,
     HEALTH,
     METRIC,
     CONTROL,

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+ENCODER = "encoder"
 Answer = Mapping[str, Any]
 COLUMNS = ("id", "label", "p", "cosine", "centre m", "size m", "seen in")
 NONE = "-"
@@ -50,13 +51,20 @@ def _row(instance: Answer) -> tuple[str, ...]:
     seen = [str(view.get("seq")) for view in instance.get("views") or ()]
     return (
         str(instance.get("id", NONE)),
-        str(instance.get("label", NONE)),
+        _label(instance),
         _number(instance.get("p")),
         _number(instance.get("cosine")),
         _numbers(instance.get("centre")),
         _numbers(box.get("size")),
         " ".join(seen) or NONE,
     )
+
+
+def _label(instance: Answer) -> str:
+    """Return the label; where it is not the encoder's guess, who it is from."""
+    source = instance.get("label_source")
+    origin = f" ({source})" if source not in (None, ENCODER) else ""
+    return f"{instance.get('label', NONE)}{origin}"
 
 
 def _numbers(values: Sequence[float] | None) -> str:

@@ -1,5 +1,6 @@
 """A recording run through the nodes of a graph in one process."""
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -20,6 +21,8 @@ from sceneq_tools.local_bus import LocalHub
 
 POSES = "poses"
 INGEST, ENCODING = "ingest", "encoding"
+MOST_AT_ONCE = 8
+"""More instances at a time than this want more memory than they save time."""
 TROUBLES = (
     *("skipped", "refused", "unmatched", "lost", "bad", "missing", "failed", "gone"),
     "quarantined",
@@ -96,7 +99,7 @@ class Batch:
             self._hub.add(listener, self._context(name))
         # Readers first, so that nobody misses the first message.
         for node in sorted(plan.nodes, key=lambda node: node.id == self._ingest):
-            self._open(node.id, node.node_kind, node.params)
+            self._open(node.id, node.node_kind, {**_of_a_batch(node.node_kind), **node.params})
 
     def stages(self) -> Iterator[Stage]:
         """Yield what there is to do; the next stage starts when the steps of one are consumed."""
@@ -114,6 +117,10 @@ class Batch:
         except QueryError as error:
             raise UserError(str(error)) from error
         return replies[-1] if replies else None
+
+    def params_of(self, kind: str) -> Mapping[str, Any]:
+        """Return the parameters of the node of a kind, none when there is no such node."""
+        return next((node.params for node in self._plan.nodes if node.node_kind == kind), {})
 
     def troubles(self) -> dict[str, int]:
         """Return the counters of what was lost or refused."""
@@ -159,3 +166,12 @@ class Batch:
             self._hub.idle(self._encoding or "")
             yield max(total - pending, 0)
         yield total
+
+
+def _of_a_batch(kind: str) -> dict[str, int]:
+    """Return parameters that are better in one process than in one of many.
+
+    Instances are described when all frames are in the map, and nobody else needs the cores.
+    """
+    cores = min(len(os.sched_getaffinity(0)), MOST_AT_ONCE)
+    return {"at_once": cores} if kind == ENCODING else {}

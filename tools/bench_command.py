@@ -14,10 +14,13 @@ if TYPE_CHECKING:
 def run(
     stage: Annotated[
         list[str] | None,
-        typer.Argument(metavar="STAGE", help="Default: codec, bus, render, stages, laps, query."),
+        typer.Argument(
+            metavar="STAGE", help="Default: codec, bus, render, stages, laps, query, scale."
+        ),
     ] = None,
     source: Annotated[
-        Path | None, typer.Option(help="Folder of frames for stages and query; default: sample.")
+        Path | None,
+        typer.Option(help="Folder of frames for stages, laps and query; default: sample."),
     ] = None,
     graph: Annotated[
         Path | None, typer.Option(help="Default: ./graph.yaml, else the one in the package.")
@@ -38,7 +41,7 @@ def run(
     frames: Annotated[int | None, typer.Option(min=1, help="Look at so many frames only.")] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Measure codec, bus, rendering, the stages of a keyframe, and queries."""
+    """Measure codec, bus, rendering, the stages of a keyframe, laps, queries and their scale."""
     from sceneq_tools.bench.measurement import Options
     from sceneq_tools.bench.report import COLUMNS, as_json, read_baseline, rows
     from sceneq_tools.json_file import write_json

@@ -18,7 +18,7 @@ def run(
     graph: GraphFile = None,
     fit_on: Annotated[
         str, typer.Option("--fit", help="T fits questions, labels or both.")
-    ] = "both",
+    ] = "questions",
     date: Annotated[
         str, typer.Option(help="Written into the file as it is, such as 2026-11-22.")
     ] = "",

@@ -8,10 +8,10 @@ from typing import Annotated
 import typer
 
 COMMANDS = (
-    *("up", "ask", "status", "view", "viewer", "check", "map", "export", "demo"),
-    *("schema", "doctor", "bench", "synth", "calibrate", "train-probe"),
+    *("up", "ask", "teach", "forget", "status", "view", "viewer", "check", "map", "export", "demo"),
+    *("schema", "doctor", "bench", "synth", "calibrate", "calibrate-names", "train-probe"),
 )
-GROUPS = ("sim", "eval")
+GROUPS = ("sim", "eval", "secure")
 USAGE = 2
 INTERRUPTED = 130
 

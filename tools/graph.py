@@ -66,6 +66,8 @@ class Graph(_Strict):
     scene: Id | None = None
     robot: Id = "robot"
     sensor: Id = "camera"
+    store: str | None = None
+    secure: str | None = None
     router: Router = Router()
     watchdog: WatchdogLimits = WatchdogLimits()
     nodes: Annotated[list[GraphNode], Field(min_length=1)]

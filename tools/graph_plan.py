@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from sceneq_nodes._credentials import SECURE
 from sceneq_nodes._params import did_you_mean
 from sceneq_tools.errors import UserError
-from sceneq_tools.graph import ROUTER, Graph, GraphNode, Router, WatchdogLimits
+from sceneq_tools.graph import DEFAULT_ENDPOINT, ROUTER, Graph, GraphNode, Router, WatchdogLimits
 from sceneq_tools.graph_document import Document
 from sceneq_tools.graph_problem import GraphError, Problem
 
+DEFAULT_SECURE = DEFAULT_ENDPOINT.replace("tcp/", "tls/")
 ANYWHERE = {"0.0.0.0": "127.0.0.1", "[::]": "[::1]"}
 """Listening on every address is reached, from this machine, on the loopback one."""
 
@@ -27,6 +29,8 @@ class Plan:
     router: Router
     watchdog: WatchdogLimits
     nodes: tuple[GraphNode, ...]
+    store: Path | None = None
+    secure: Path | None = None
 
     @property
     def endpoint(self) -> str:
@@ -41,7 +45,12 @@ class Plan:
             "scene": self.scene,
             "robot": self.robot,
             "sensor": self.sensor,
-            "router": {"endpoint": self.endpoint, **self.router.model_dump()},
+            "store": None if self.store is None else str(self.store),
+            "router": {
+                "endpoint": self.endpoint,
+                "credentials": None if self.secure is None else str(self.secure / ROUTER),
+                **self.router.model_dump(),
+            },
             "nodes": {n.id: {"kind": n.node_kind, "params": n.params} for n in self.nodes},
         }
 
@@ -62,14 +71,31 @@ def plan(
     """
     nodes = _chosen(_on(machine, graph), only)
     _need_sources(nodes, graph, document)
+    secure = None if graph.secure is None else Path(graph.secure).expanduser().resolve()
+    router = graph.router if secure is None else encrypted(graph.router)
     return Plan(
         graph.scene or _scene_of(graph, document),
         graph.robot,
         graph.sensor,
-        graph.router if port is None else _on_port(graph.router, port),
+        router if port is None else _on_port(router, port),
         graph.watchdog,
         nodes,
+        None if graph.store is None else Path(graph.store).expanduser().resolve(),
+        secure,
     )
+
+
+def encrypted(router: Router) -> Router:
+    """Return the router with encrypted links only: the endpoint by default is, then, TLS.
+
+    Raises:
+        UserError: an endpoint of another protocol.
+    """
+    listen = [DEFAULT_SECURE if one == DEFAULT_ENDPOINT else one for one in router.listen]
+    for endpoint in (*listen, *router.connect):
+        if not endpoint.startswith(SECURE):
+            raise UserError(f"{endpoint}: not encrypted; with 'secure' say tls/HOST:PORT", 2)
+    return router.model_copy(update={"listen": listen})
 
 
 def scene_name(folder: Path) -> str:
@@ -81,7 +107,7 @@ def need_free_port(endpoint: str) -> None:
     """Raise ``UserError`` when somebody else listens on a TCP ``endpoint``."""
     protocol, _, address = endpoint.partition("/")
     host, _, port = address.partition("?")[0].rpartition(":")
-    if protocol != "tcp":
+    if protocol not in ("tcp", "tls"):
         return
     family = socket.AF_INET6 if host.startswith("[") else socket.AF_INET
     with socket.socket(family) as probe:

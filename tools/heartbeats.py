@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from sceneq_nodes._credentials import Credentials
 from sceneq_schemas.topics import HEALTH
 
 if TYPE_CHECKING:
@@ -33,10 +34,12 @@ class Heartbeats:
 
     Args:
         endpoint: the router, such as ``tcp/127.0.0.1:7447``.
+        credentials: what to show there; those in the environment when not given.
     """
 
-    def __init__(self, endpoint: str) -> None:
+    def __init__(self, endpoint: str, credentials: Credentials | None = None) -> None:
         self._endpoint = endpoint
+        self._credentials = credentials
         self._client: Client | None = None
         self._inbox: queue.Queue[tuple[str, bytes]] = queue.Queue(CAPACITY)
 
@@ -58,7 +61,7 @@ class Heartbeats:
 
         if self._client is None:
             with contextlib.suppress(ConnectionError):  # the router is still starting
-                self._client = Client(self._endpoint, CONNECT_S)
+                self._client = Client(self._endpoint, CONNECT_S, self._credentials)
                 self._client.subscribe(HEALTH.selector(), self._put)
 
     def _put(self, key: str, encoding: str, payload: bytes) -> None:

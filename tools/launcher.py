@@ -8,6 +8,7 @@ import time
 from collections.abc import Mapping
 from pathlib import Path
 
+from sceneq_nodes._credentials import VARIABLE, Credentials
 from sceneq_tools.console import Console
 from sceneq_tools.errors import UserError
 from sceneq_tools.graph import DEFAULT_ENDPOINT, ROUTER
@@ -39,7 +40,8 @@ class Launcher:
         self._logs = logs
         self._console = console
         self._watchdog = Watchdog(plan.watchdog)
-        self._heartbeats = Heartbeats(plan.endpoint)
+        self._credentials = node_credentials(plan.secure)
+        self._heartbeats = Heartbeats(plan.endpoint, self._credentials)
         self._before: dict[str, Process] = {}
         self._ready: set[str] = set()
         self._were_ready: set[str] = set()
@@ -81,7 +83,10 @@ class Launcher:
         graph.write_text(json.dumps(self._plan.as_json(), indent=2))
         conf = render(self._plan.nodes, folder, self._logs.resolve())
         (folder / "supervisord.conf").write_text(conf)
-        return Supervisor(folder, {"SCENEQ_GRAPH": str(graph)})
+        environment = {"SCENEQ_GRAPH": str(graph)}
+        if self._credentials is not None:
+            environment[VARIABLE] = str(self._credentials.folder)
+        return Supervisor(folder, environment)
 
     def _headline(self) -> str:
         names = " ".join(node.id for node in self._plan.nodes)
@@ -218,3 +223,19 @@ def default_logs(scene: str) -> Path:
     """Return where logs of a scene are kept (XDG base directory specification)."""
     state = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
     return Path(state) / "sceneq" / scene
+
+
+def node_credentials(secure: Path | None) -> Credentials | None:
+    """Return what the nodes of this machine show: those of a robot, else of a server.
+
+    Raises:
+        UserError: there are none, or they cannot be used.
+    """
+    if secure is None:
+        return None
+    role = "robot" if (secure / "robot").is_dir() else "server"
+    try:
+        Credentials(secure / ROUTER).access()
+        return Credentials(secure / role)
+    except ValueError as error:
+        raise UserError(f"{error} (sceneq secure init {secure})", 2) from error

@@ -45,7 +45,7 @@ def run(
     from sceneq_tools.batch import Batch
     from sceneq_tools.collect import collect
 
-    batch = Batch(_plan(graph, source, scene, step, no_poses, segmenter, proposals))
+    batch = Batch(map_plan(source, graph, scene, step, no_poses, segmenter, proposals))
     try:
         _show_progress(batch, quiet)
         write_all(collect(batch.get, batch.scene), out, rrd)
@@ -57,15 +57,16 @@ def run(
         batch.close()
 
 
-def _plan(
-    graph: Path | None,
+def map_plan(
     source: Path,
-    scene: str | None,
-    step: int | None,
-    no_poses: bool,
-    segmenter: str | None,
-    proposals: Path | None,
+    graph: Path | None = None,
+    scene: str | None = None,
+    step: int | None = None,
+    no_poses: bool = False,
+    segmenter: str | None = None,
+    proposals: Path | None = None,
 ) -> "Plan":
+    """Return the nodes that make a map of ``source``; ``UserError`` when they cannot."""
     from sceneq_tools.graph import Override, default_path, load
     from sceneq_tools.graph_check import check_nodes
     from sceneq_tools.graph_plan import plan

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -66,6 +67,22 @@ class SceneFiles:
         """
         out.mkdir(parents=True, exist_ok=True)
         cloud = self.cloud()
+        document = self.document(cloud)
+        (out / RECORDS_FILE).write_text(json.dumps(document, indent=1, ensure_ascii=False))
+        with (
+            ThreadPoolExecutor() as pool
+        ):  # compressing, like most of drawing, is not Python's work
+            arrays = pool.submit(self._write_arrays, cloud, out)
+            if len(cloud.points_world):
+                colours = instance_colours(cloud.instance_id, cloud.rgb)
+                points = pool.submit(_write_ply, out / "cloud.ply", cloud.points_world, colours)
+                picture = scene_picture(cloud, document, size=picture_size)
+                write_png(picture, out / "instances.png")
+                points.result()
+            arrays.result()
+        return document
+
+    def _write_arrays(self, cloud: Cloud, out: Path) -> None:
         described_id, descriptor = self.descriptors.arrays()
         np.savez_compressed(
             out / ARRAYS_FILE,
@@ -75,14 +92,6 @@ class SceneFiles:
             described_id=described_id,
             descriptor=descriptor,
         )
-        document = self.document(cloud)
-        (out / RECORDS_FILE).write_text(json.dumps(document, indent=1, ensure_ascii=False))
-        if len(cloud.points_world):
-            colours = instance_colours(cloud.instance_id, cloud.rgb)
-            _write_ply(out / "cloud.ply", cloud.points_world, colours)
-            picture = scene_picture(cloud, document, size=picture_size)
-            write_png(picture, out / "instances.png")
-        return document
 
     def cloud(self) -> Cloud:
         """Return the points of the map."""

@@ -29,6 +29,8 @@ def connect(endpoint: str) -> Client:
     """Return a client, to be used in a ``with`` block; ``UserError`` when no router is there."""
     try:
         return Client(endpoint)
+    except ValueError as error:
+        raise UserError(str(error), 2) from error
     except ConnectionError as error:
         hint = f"{START_HINT}, or say where with --connect tcp/HOST:PORT"
         raise UserError(f"no router at {endpoint} ({hint})") from error

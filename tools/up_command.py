@@ -41,6 +41,9 @@ Viewer = Annotated[
 Segmenter = Annotated[
     str | None, typer.Option(help="Kind: rgbd, or files = masks beside the frames, ...")
 ]
+Store = Annotated[
+    Path | None, typer.Option(metavar="DIR", help="Keep the map in DIR/SCENE and go on with it.")
+]
 SIM_RATE_HZ = 30.0
 
 
@@ -66,6 +69,11 @@ def run(
         list[str] | None, typer.Option(help="Router of another machine: tcp/HOST:7447.")
     ] = None,
     viewer: Viewer = None,
+    store: Store = None,
+    secure: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Credentials of 'sceneq secure init': TLS only."),
+    ] = None,
     log_dir: Annotated[
         Path | None, typer.Option(help="Default: ~/.local/state/sceneq/SCENE.")
     ] = None,
@@ -82,6 +90,10 @@ def run(
         overrides = sim_overrides(str(sim), seed, scene, rate) + overrides
     if connect:
         overrides.append(Override("", ("router", "connect"), connect, "--connect"))
+    if store is not None:
+        overrides.append(Override("", ("store",), str(store), "--store"))
+    if secure is not None:
+        overrides.append(Override("", ("secure",), str(secure), "--secure"))
     loaded, document = load(graph or default_path(), overrides)
     check_nodes(loaded, document)
     names = [name for names in only or () for name in names.split(",")]

@@ -3,6 +3,7 @@
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
+from threading import Lock
 
 import numpy as np
 
@@ -54,12 +55,16 @@ class _Seen:
 
 
 class Describer:
-    """Describes view sets. The result depends on the view set only, not on what came before."""
+    """Describes view sets. The result depends on the view set only, not on what came before.
+
+    Several threads may describe at a time, if the encoder lets them.
+    """
 
     def __init__(self, encoder: Encoder, params: DescribeParams) -> None:
         self._encoder = encoder
         self._params = params
         self._seen: OrderedDict[tuple[int, int, bytes, bytes], _Seen] = OrderedDict()
+        self._lock = Lock()
 
     def describe(self, view_set: ViewSet, image: Image) -> Description | None:
         """Return the description, ``None`` when no view of the set has an image any more.
@@ -82,15 +87,18 @@ class Describer:
 
     def _look(self, view: View, image: Image) -> _Seen | None:
         key = (*view_key(view), np.packbits(view.mask).tobytes())
-        if key in self._seen:
-            self._seen.move_to_end(key)
-            return self._seen[key]
+        with self._lock:
+            if key in self._seen:
+                self._seen.move_to_end(key)
+                return self._seen[key]
         rgb = image(view)
         if rgb is None:
             return None
-        self._seen[key] = seen = self._encode(rgb, view)
-        if len(self._seen) > self._params.remembered:
-            self._seen.popitem(last=False)
+        seen = self._encode(rgb, view)
+        with self._lock:
+            self._seen[key] = seen
+            if len(self._seen) > self._params.remembered:
+                self._seen.popitem(last=False)
         return seen
 
     def _encode(self, rgb: UInt8, view: View) -> _Seen:

@@ -1,6 +1,7 @@
 """Which instance to describe next when there is not time for all of them."""
 
 from collections.abc import Iterator
+from heapq import nsmallest
 
 from sceneq_core.views.view import View, ViewSet
 
@@ -28,9 +29,14 @@ class Pending:
 
     def take(self) -> ViewSet | None:
         """Return the most urgent view set, or its best view while the whole set waits on."""
-        if not self._waiting:
-            return None
-        instance_id = min(self._waiting, key=self._urgency)
+        return next(iter(self.take_some(1)), None)
+
+    def take_some(self, most: int) -> list[ViewSet]:
+        """Return what ``take`` would for each of the ``most`` most urgent instances."""
+        urgent = nsmallest(most, self._waiting, key=self._urgency)
+        return [self._take(instance_id) for instance_id in urgent]
+
+    def _take(self, instance_id: int) -> ViewSet:
         view_set = self._waiting[instance_id]
         if instance_id not in self._described and len(view_set.views) > 1:
             return ViewSet(instance_id, view_set.views[:1])

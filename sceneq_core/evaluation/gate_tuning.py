@@ -32,8 +32,12 @@ class _Rank:
     stayed: float
 
 
-def tune_gate(decisions: Decisions, otherwise: GateParams, steps: int = STEPS) -> GateParams:
+def tune_gate(
+    decisions: Decisions, otherwise: GateParams, least_p: float = 0.0, steps: int = STEPS
+) -> GateParams:
     """Return the thresholds with the best F1; ``otherwise`` when no first guess is right.
+
+    ``min_p`` will be at least ``least_p``: what no claim is made below.
 
     An exhaustive search: every threshold takes its value in ``otherwise``, one that lets all pass,
     and ``steps`` ones half-way between measures that occurred, spread over their quantiles. Of
@@ -42,7 +46,7 @@ def tune_gate(decisions: Decisions, otherwise: GateParams, steps: int = STEPS) -
     """
     if not decisions.right.any():
         return otherwise
-    p = _at_least(decisions.p_max, otherwise.min_p, steps)
+    p = _at_least(decisions.p_max, otherwise.min_p, steps, least_p)
     margin = _at_least(decisions.margin, otherwise.min_margin, steps)
     clear = _at_least(decisions.margin, otherwise.clear_margin, steps)
     entropy = _at_most(decisions.entropy_norm, otherwise.max_entropy_norm, steps)
@@ -68,8 +72,8 @@ def _best(accepted: Bool, right: Bool, moved: Float64) -> tuple[_Rank, tuple[int
     return _Rank(float(f1[e, c]), float(precision[e, c]), -float(moved[e, c])), (e, c)
 
 
-def _at_least(measure: Float64, otherwise: float, steps: int) -> _Choices:
-    value = _values(measure, otherwise, 0.0, steps)
+def _at_least(measure: Float64, otherwise: float, steps: int, least: float = 0.0) -> _Choices:
+    value = np.unique(np.maximum(_values(measure, otherwise, 0.0, steps), least))
     return _Choices(value, measure >= value[:, None], np.abs(value - otherwise))
 
 

@@ -201,6 +201,11 @@ class Mapper:
         return replace(self._delta(False, none, none, ()), frame_seq=seq, stamp_ns=stamp_ns)
 
     @property
+    def params(self) -> MapperParams:
+        """Return the parameters of the map."""
+        return self._params
+
+    @property
     def let_in(self) -> int:
         """Return how many keyframes were quarantined first and let in later."""
         return self._quarantine.let_in

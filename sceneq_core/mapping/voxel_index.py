@@ -56,6 +56,16 @@ class VoxelIndex:
             voxel_id[missing] = self._append(new_key)[inverse]
         return voxel_id
 
+    def extend(self, coord: Int32) -> None:
+        """Give new coordinates (N, 3), all different, the next ids in their own order."""
+        self._append(pack_coord(coord))
+
+    def coords(self, first: int) -> Int32:
+        """Return the coordinates (N, 3) of all ids from ``first`` on, in the order of ids."""
+        wanted = np.flatnonzero((self._key != _EMPTY) & (self._id >= first))
+        in_order = wanted[np.argsort(self._id[wanted])]
+        return unpack_coord(self._key[in_order])
+
     def _append(self, new_key: Int64) -> Int32:
         new_id = np.arange(self._count, self._count + len(new_key), dtype=np.int32)
         self._count += len(new_key)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import Bool, Float32, Float64, Int32, Int64, UInt8
+from sceneq_core.arrays import Bool, Float32, Float64, Int32, Int64, UInt8, UInt16
 from sceneq_core.picture.projection import Viewpoint
 
 BACKGROUND = (252, 252, 250)
@@ -59,7 +59,7 @@ def shaded(splats: Splats, rgb: UInt8, instance_id: Int32) -> UInt8:
     empty = splats.point == NOTHING
     image = rgb[splats.point].astype(np.float32)
     image *= _eye_dome(splats.depth_m)[..., None]
-    image *= np.where(_outline(ids_seen(splats, instance_id)), 0.55, 1.0)[..., None]
+    image *= np.where(_outline(_numbers_seen(splats, instance_id)), 0.55, 1.0)[..., None]
     image[empty] = BACKGROUND
     out: UInt8 = image.astype(np.uint8)
     return out
@@ -135,15 +135,24 @@ def _eye_dome(depth_m: Float32) -> Float32:
     return brightness
 
 
-def _outline(ids: Int32) -> Bool:
+def _numbers_seen(splats: Splats, instance_id: Int32) -> UInt16:
+    """Return the instances (H, W) seen, numbered from 1 in the order of their ids, 0 = background.
+
+    The points are numbered, not the pixels: of those there are many more.
+    """
+    _, number = np.unique(instance_id, return_inverse=True)
+    seen = (number.ravel() + 1).astype(np.uint16)[splats.point]
+    seen[splats.point == NOTHING] = 0
+    return seen
+
+
+def _outline(number: UInt16) -> Bool:
     """Tell which pixels (H, W) have another instance to their right or below; specks do not count.
 
-    The median filter takes 16 bits: ids are first numbered within the picture.
+    The median filter takes 16 bits: hence numbers, not ids.
     """
-    _, number = np.unique(ids, return_inverse=True)
-    calm = number.reshape(ids.shape).astype(np.uint16)
-    ids = cv2.medianBlur(cv2.medianBlur(calm, 5), 5).astype(np.int32)
-    edge = np.zeros(ids.shape, np.bool_)
-    edge[:, :-1] |= ids[:, :-1] != ids[:, 1:]
-    edge[:-1] |= ids[:-1] != ids[1:]
+    calm = cv2.medianBlur(cv2.medianBlur(number, 5), 5).astype(np.int32)
+    edge = np.zeros(calm.shape, np.bool_)
+    edge[:, :-1] |= calm[:, :-1] != calm[:, 1:]
+    edge[:-1] |= calm[:-1] != calm[1:]
     return edge

@@ -16,7 +16,9 @@ def with_known(relation: str, target: Candidate, anchor: Candidate, by_boxes: fl
         return 1.0 if rests else _ELSEWHERE * by_boxes
     if relation == "in" and target.inside == anchor.instance_id:
         return 1.0
-    if relation == "under" and anchor.supported_by == target.instance_id:
+    if relation in ("under", "supports") and anchor.supported_by == target.instance_id:
+        return 1.0
+    if relation == "contains" and anchor.inside == target.instance_id:
         return 1.0
     if relation == "next_to" and target.supported_by == anchor.instance_id:
         return _ELSEWHERE * by_boxes

@@ -52,11 +52,24 @@ class Constraint:
     """The target is ``relation`` of ``anchor``, the ``words`` of anchor candidates.
 
     An empty anchor is the viewer for relations such as ``nearest`` and nothing for sizes such
-    as ``largest``, which compare the targets with each other.
+    as ``largest``, which compare the targets with each other. ``other`` is the second anchor of
+    ``between``; ``rank`` 2 is the second nearest or largest. Left and right are as ``seen_from``
+    the thing of these words, or by the viewer ``facing`` it. ``negated``: it is not so.
     """
 
     relation: str
     anchor: str
+    other: str = ""
+    rank: int = 1
+    seen_from: str = ""
+    facing: str = ""
+    negated: bool = False
+
+    @property
+    def things(self) -> tuple[str, ...]:
+        """The words for all things it refers to."""
+        named = (self.anchor, self.other, self.seen_from, self.facing)
+        return tuple(dict.fromkeys(words for words in named if words))
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +79,8 @@ class Problem:
     ``text`` is what was asked, ``target`` the words for the thing wanted ("" = anything); all
     ``constraints`` must hold. ``up_world`` (3,) is against gravity; ``viewpoint_world`` (3,) is
     where "left" and "right" are seen from: the newest camera position. ``time_s``: how long the
-    asker waits for the verdict.
+    asker waits for the verdict. ``may_spend``: whether it may cost a call of a model; else only a
+    reasoner that costs nothing answers. ``map_epoch`` is that of the ids.
     """
 
     text: str
@@ -76,19 +90,24 @@ class Problem:
     up_world: Float64
     viewpoint_world: Float64
     time_s: float = math.inf
+    may_spend: bool = True
+    map_epoch: int = 0
 
 
 @dataclass(frozen=True, slots=True)
 class LabelProblem:
     """What is this thing called? ``labels`` are the encoder's best with p, best first.
 
-    ``views`` and ``time_s`` are those of ``Candidate`` and ``Problem``.
+    ``views`` are those of ``Candidate``; ``time_s``, ``may_spend`` and ``map_epoch`` those of
+    ``Problem``.
     """
 
     instance_id: int
     labels: tuple[tuple[str, float], ...]
     views: Views
     time_s: float = math.inf
+    may_spend: bool = True
+    map_epoch: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,13 +134,14 @@ class Verdict:
     """What a reasoner found: target ids best first with their probabilities, and why.
 
     The probabilities add up to at most 1; what is missing is "none of them". An empty
-    ``ranking`` = none of the candidates.
+    ``ranking`` = none of the candidates. ``cached``: found for somebody else, who paid for it.
     """
 
     ranking: tuple[tuple[int, float], ...]
     reason: str
     vlm_calls: int
     usage: Usage = NO_USAGE
+    cached: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +152,7 @@ class LabelVerdict:
     reason: str
     vlm_calls: int
     usage: Usage = NO_USAGE
+    cached: bool = False
 
 
 class UnansweredError(Exception):

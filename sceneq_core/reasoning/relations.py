@@ -92,6 +92,21 @@ def inside(pair: Pair, params: RelationParams) -> float:
     return overlap(pair.target, pair.anchor, slice(0, 3), params.thinnest_m)
 
 
+def supports(pair: Pair, params: RelationParams) -> float:
+    """The anchor is on the target."""
+    return on(_turned(pair), params)
+
+
+def contains(pair: Pair, params: RelationParams) -> float:
+    """The anchor is in the target."""
+    return inside(_turned(pair), params)
+
+
+def far_from(pair: Pair, params: RelationParams) -> float:
+    """Not near."""
+    return 1.0 - near(pair, params)
+
+
 def left_of(pair: Pair, params: RelationParams) -> float:
     """To the left, seen from the viewer."""
     return _towards(pair, np.array([-1.0, 0.0]), params)
@@ -112,6 +127,22 @@ def behind(pair: Pair, params: RelationParams) -> float:
     return _towards(pair, np.array([0.0, 1.0]), params)
 
 
+def between(target: UprightBox, one: UprightBox, other: UprightBox, reach_m: float) -> float:
+    """In the gap between two things, level: past the one, before the other, not far aside.
+
+    All three in one upright frame. How far is aside grows with how far the two are apart.
+    """
+    start, end, point = (box.centre[LEVEL] for box in (one, other, target))
+    way = end - start
+    length = float(np.linalg.norm(way))
+    if length == 0.0:
+        return 0.0
+    along = float((point - start) @ way) / length**2
+    aside = abs(float(way[0] * (point - start)[1] - way[1] * (point - start)[0])) / length
+    within = _at_least(min(along, 1.0 - along), 0.1)
+    return within * exp(-aside / (0.5 * reach_m + 0.25 * length))
+
+
 RELATIONS: dict[str, Score] = {
     "next_to": next_to,
     "near": near,
@@ -119,13 +150,22 @@ RELATIONS: dict[str, Score] = {
     "under": under,
     "above": above,
     "in": inside,
+    "supports": supports,
+    "contains": contains,
+    "far_from": far_from,
     "left_of": left_of,
     "right_of": right_of,
     "in_front_of": in_front_of,
     "behind": behind,
 }
 
+BY_DISTANCE = ("next_to", "near", "far_from")
+
 VIEWER_RELATIVE = ("left_of", "right_of", "in_front_of", "behind")
+
+
+def _turned(pair: Pair) -> Pair:
+    return Pair(target=pair.anchor, anchor=pair.target, offset_viewer=-pair.offset_viewer)
 
 
 def _rests(pair: Pair, params: RelationParams) -> float:

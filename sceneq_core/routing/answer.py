@@ -26,9 +26,11 @@ class Answer:
 
     ``status``: ``found`` = the first match is it; ``ambiguous`` = which one of these?;
     ``not_found`` = most probably not in the map, the matches are only the least unlike.
-    ``presence`` is the probability that the best instance is called what the question says rather
-    than anything in the label set. ``route``: ``fast`` = the encoder alone, ``reasoned`` = a
-    reasoner chose, ``fallback`` = a reasoner should have chosen but did not.
+    ``presence`` is the probability that there is such a thing; where no calibration tells, that
+    the best instance is called what the question says rather than anything in the label set.
+    The p of all matches and ``confidence.p_null`` add up to 1. ``route``: ``fast`` = the encoder
+    alone, ``reasoned`` = a reasoner chose, ``fallback`` = a reasoner should have but did not.
+    ``cached``: it chose for somebody else who asked the same, and that still holds.
     """
 
     status: str
@@ -41,6 +43,18 @@ class Answer:
     vlm_calls: int
     revision: Revision
     usage: Usage = NO_USAGE
+    cached: bool = False
+
+    @property
+    def p_right(self) -> float:
+        """The probability that this answer is right, 0 to 1, as far as is known.
+
+        Of ``not_found``: that there is no such thing; else: that the first match is meant. With a
+        relation in the question it is the chance of the first match before anybody has looked at
+        the relation. Without a calibration it supposes that there is such a thing.
+        """
+        certainty = self.confidence
+        return certainty.p_null if self.status == NOT_FOUND else certainty.p_max
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,3 +70,17 @@ class Naming:
     route: str = FAST
     vlm_calls: int = 0
     usage: Usage = NO_USAGE
+    cached: bool = False
+
+    @property
+    def p_right(self) -> float:
+        """The probability that the first label is right."""
+        return self.confidence.p_max
+
+
+def differ(one: Answer, other: Answer) -> bool:
+    """Return whether two answers to a question say different things, however surely."""
+    if NOT_FOUND in (one.status, other.status):
+        return one.status != other.status
+    best = [[match.instance.instance_id for match in a.matches[:1]] for a in (one, other)]
+    return best[0] != best[1]

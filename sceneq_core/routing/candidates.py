@@ -1,10 +1,10 @@
 """The few instances a reasoner gets to see."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
-from sceneq_core.arrays import Float64
+from sceneq_core.arrays import Float64, Int64
 from sceneq_core.mapping.delta import OBJECT
 from sceneq_core.reasoning.reasoner import Candidate, Problem
 from sceneq_core.routing.likelihood import Fit
@@ -17,9 +17,9 @@ def pose_problem(
 ) -> Problem:
     """Return the question with its ``top_k`` best targets, and as many for every anchor."""
     phrase = question.phrase
-    anchors = tuple(dict.fromkeys(c.anchor for c in phrase.constraints if c.anchor))
+    anchors = tuple(dict.fromkeys(words for c in phrase.constraints for words in c.things))
     chosen = [
-        _candidates(snapshot, "anchor", words, fits[words], fits[words].order[:top_k].tolist())
+        _candidates(snapshot, "anchor", words, fits[words], fits[words].order[:top_k])
         for words in anchors
     ]
     rows = _target_rows(snapshot, question, fits)[:top_k]
@@ -31,41 +31,40 @@ def pose_problem(
         candidates=(*targets, *(c for group in chosen for c in group)),
         up_world=snapshot.up_world,
         viewpoint_world=snapshot.viewpoint_world,
+        map_epoch=snapshot.revision.epoch,
     )
 
 
-def _target_rows(snapshot: SceneSnapshot, question: Question, fits: Mapping[str, Fit]) -> list[int]:
+def _target_rows(snapshot: SceneSnapshot, question: Question, fits: Mapping[str, Fit]) -> Int64:
     """Best first; when anything will do ("what is on the table?"), closest to the anchor first."""
     phrase = question.phrase
     anchor = next((c.anchor for c in phrase.constraints if c.anchor), "")
     if phrase.target or not anchor:
-        return [int(row) for row in fits[phrase.target].order]
+        return fits[phrase.target].order
     if not len(fits[anchor].order):
-        return []
+        return fits[anchor].order
     nearest_to = int(fits[anchor].order[0])
-    around = np.argsort(_gaps(snapshot, nearest_to), kind="stable").tolist()
-    return [row for row in around if row != nearest_to and _is_object(snapshot, row)]
-
-
-def _is_object(snapshot: SceneSnapshot, row: int) -> bool:
-    return snapshot.instances[row].geometry.role == OBJECT
+    around = np.argsort(_gaps(snapshot, nearest_to), kind="stable")
+    meant = (around != nearest_to) & (snapshot.columns.role[around] == OBJECT)
+    objects: Int64 = around[meant]
+    return objects
 
 
 def _gaps(snapshot: SceneSnapshot, row: int) -> Float64:
     """Return the distances (N,) between the axis-aligned boxes and that of ``row``, metres."""
-    boxes = np.stack([instance.geometry.aabb_world for instance in snapshot.instances])
+    boxes = snapshot.columns.aabb_world
     apart = np.maximum(boxes[:, 0] - boxes[row, 1], boxes[row, 0] - boxes[:, 1])
     gaps: Float64 = np.linalg.norm(np.maximum(apart, 0.0), axis=1)
     return gaps
 
 
 def _candidates(
-    snapshot: SceneSnapshot, role: str, words: str, fit: Fit, rows: Iterable[int]
+    snapshot: SceneSnapshot, role: str, words: str, fit: Fit, rows: Int64
 ) -> list[Candidate]:
     p = fit.p
     return [
         _candidate(snapshot.instances[row], role, words, float(p[row]), float(fit.cosine[row]))
-        for row in rows
+        for row in rows.tolist()
     ]
 
 

@@ -12,24 +12,31 @@ from sceneq_core.checks import need_within
 class Confidence:
     """How sure a softmax is: what the gate looks at and every answer reports.
 
-    ``p_max`` is the highest probability, ``margin`` its distance to the second,
-    ``entropy_norm`` the entropy divided by its maximum log C (0 = certain, 1 = uniform),
-    ``temperature`` the T of softmax(s / T).
+    ``p_max`` is the highest probability of a choice, ``margin`` its distance to the next, negative
+    when "none of them" is likelier; ``entropy_norm`` the entropy of all, "none" included, divided
+    by its maximum (0 = certain, 1 = uniform); ``temperature`` the T of softmax(s / T).
+    ``p_null`` is the probability of "none of them"; 0 where nothing has calibrated it: then all
+    this is said on the supposition that there is one.
     """
 
     p_max: float
     margin: float
     entropy_norm: float
     temperature: float
+    p_null: float = 0.0
 
     @classmethod
-    def of(cls, p: Float64, temperature: float) -> "Confidence":
-        """Measure a probability vector ``p`` (C,); no choices at all = no confidence."""
+    def of(cls, p: Float64, temperature: float, p_null: float = 0.0) -> "Confidence":
+        """Measure probabilities ``p`` (C,) and ``p_null``, which add up to 1.
+
+        No choices at all = no confidence.
+        """
         if len(p) == 0:
-            return cls(0.0, 0.0, 1.0, temperature)
+            return cls(0.0, 0.0, 1.0, temperature, p_null)
         best = np.sort(p)[::-1]
-        second = float(best[1]) if len(best) > 1 else 0.0
-        return cls(float(best[0]), float(best[0]) - second, entropy_norm(p), temperature)
+        second = max(float(best[1]) if len(best) > 1 else 0.0, p_null)
+        spread = entropy_norm(np.append(p, p_null) if p_null else p)
+        return cls(float(best[0]), float(best[0]) - second, spread, temperature, p_null)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,17 +12,24 @@ from sceneq_core.routing.likelihood import Fit
 class JudgeParams:
     """What a status needs, besides the gate.
 
-    ``min_claim``: what ``found`` claims, that there is such a thing and that it is this one, must
-    be at least this probable. ``absent_lift``: when the words fit the best instance less than this
-    multiple of chance, a label picked blindly would fit better, and the thing is ``not_found``.
+    A claim is made where it costs less than asking back does: at a probability of 1 - (cost of
+    asking back) / (cost of a wrong claim) and more (C. Chow, "On optimum recognition error and
+    reject tradeoff", IEEE Trans. Inf. Theory 1970, DOI 10.1109/TIT.1970.1054406).
+    ``min_claim`` is for ``found``, that there is such a thing and that it is this one: being wrong
+    costs three times what asking back does. ``min_absence`` is for ``not_found``, which also has
+    to be likelier than any one thing: being wrong costs less, the matches are still there to see.
+
+    ``absent_lift`` is for encoders without a calibration: when the words fit the best instance
+    less than this multiple of chance, a label picked blindly would fit better: ``not_found``.
     """
 
     gate: GateParams = field(default_factory=GateParams)
-    min_claim: float = 0.5
+    min_claim: float = 0.67
+    min_absence: float = 0.4
     absent_lift: float = 1.0
 
     def __post_init__(self) -> None:
-        need_within(self, 0, 1, "min_claim")
+        need_within(self, 0, 1, "min_claim", "min_absence")
         need_at_least(self, 0, "absent_lift")
 
 
@@ -47,29 +54,35 @@ class Judge:
 
     def absent(self, fit: Fit) -> bool:
         """Return whether there surely is no such thing."""
+        if fit.calibrated:
+            likeliest = (1.0 - fit.p_null) * float(fit.p.max(initial=0.0))
+            return fit.p_null >= max(self.params.min_absence, likeliest)
         return fit.presence < self.params.absent_lift * fit.chance
 
     def judge(self, words: str, fit: Fit, confidence: Confidence) -> tuple[str, str]:
         """Return status and reason of the encoder's own answer to ``words``."""
         if self.absent(fit):
-            return NOT_FOUND, absence(words)
+            return NOT_FOUND, absence(words, fit)
         if not self.accepts(confidence):
             return AMBIGUOUS, hesitation(confidence)
-        if not self.claims(fit.presence, confidence.p_max):
+        if not self.claims(fit.presence, float(fit.p.max())):
             return AMBIGUOUS, (
                 f"one instance stands out, but is '{words}' only with p {fit.presence:.2f}"
             )
         return FOUND, "the gate accepts the encoder's first guess"
 
 
-def absence(words: str) -> str:
+def absence(words: str, fit: Fit) -> str:
     """Say why there is no such thing."""
+    if fit.calibrated:
+        return f"there is no '{words}' with p {fit.p_null:.2f}"
     return f"'{words}' fits no instance better than a label picked blindly"
 
 
 def hesitation(confidence: Confidence) -> str:
     """Say why the gate does not let the first guess pass."""
+    none = f"none {confidence.p_null:.2f}, " if confidence.p_null else ""
     return (
-        f"not sure which: p {confidence.p_max:.2f}, margin {confidence.margin:.2f}, "
+        f"not sure which: p {confidence.p_max:.2f}, {none}margin {confidence.margin:.2f}, "
         f"entropy {confidence.entropy_norm:.2f} of its maximum"
     )

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sceneq_core.arrays import Float32, Float64
+from sceneq_core.encoding.colour import COLOUR_TERMS
 from sceneq_core.encoding.encoder import Encoder
 from sceneq_core.routing import scannet200
 from sceneq_core.routing.gate import capped, softmax
@@ -55,13 +56,22 @@ def custom(labels: Sequence[str]) -> LabelSet:
     return LabelSet("custom", tuple(label.strip() for label in labels))
 
 
+ENCODER, TAUGHT, INHERITED = "encoder", "taught", "inherited"
+
+
 @dataclass(frozen=True, slots=True)
 class Label:
-    """A name for an instance, with p = softmax(s / T) over the label set and the cosine s."""
+    """A name for an instance, with its probability ``p`` and cosine s; where it is from.
+
+    ``source``: ``encoder`` = p is softmax(s / T) over the label set; ``taught`` = somebody said
+    so; ``inherited`` = it looks like a thing that was taught, p is the calibrated chance that it
+    is one of these too.
+    """
 
     name: str
     p: float
     cosine: float
+    source: str = ENCODER
 
 
 class Labeller:
@@ -72,6 +82,7 @@ class Labeller:
         self.temperature = encoder.temperature
         self.ceiling = encoder.ceiling
         self.text_vectors: Float32 = encoder.encode_texts(label_set.labels)
+        self.colour_vectors: Float32 = encoder.encode_texts(COLOUR_TERMS)
 
     def scores(self, descriptors: Float32) -> Float32:
         """Return the cosines float32 (N, C) of ``descriptors`` (N, D) with every label."""

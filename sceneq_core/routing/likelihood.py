@@ -3,17 +3,20 @@
 Which one: s_i = cos(instance_i, words), p = softmax(s / T) over the instances. The instance's mean
 cosine with the label set is taken from s_i: a descriptor that is close to every text (a wall, a
 blurred crop) would else win every question.
-Is there such a thing: for each instance the words compete with the label set.
+Is there such a thing: for each instance the words compete with the label set, and a calibration
+says how probable that makes it (``sceneq_core.routing.null``).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sceneq_core.arrays import Bool, Float32, Float64, Int64
 from sceneq_core.encoding.colour import COLOUR_TERMS
 from sceneq_core.mapping.delta import OBJECT
+from sceneq_core.routing.attribute_fit import log_excluded, log_size
 from sceneq_core.routing.gate import log_softmax
+from sceneq_core.routing.null import NullParams, evidence
 from sceneq_core.routing.question import TextTower, Wanted
 from sceneq_core.routing.scene import SceneSnapshot
 
@@ -40,8 +43,10 @@ class Fit:
     of the encoder. ``order`` leaves the others out, their ``p`` is 0.
 
     ``p`` (N,) is the probability that an instance is meant, given that one is; ``cosine`` (N,) the
-    mean cosine with the words; ``order`` (M,) the rows, best first. ``presence`` is the highest
-    p(words | instance) of the best ones, ``chance`` what it would be if the encoder knew nothing.
+    mean cosine with the words; ``order`` (M,) the rows, best first. ``presence`` is the probability
+    that there is such a thing when ``calibrated``; else the highest p(words | instance) of the best
+    ones, and ``chance`` what it would be if the encoder knew nothing. ``evidence`` is what a
+    calibration judges presence by.
     """
 
     p: Float64
@@ -49,56 +54,117 @@ class Fit:
     order: Int64
     presence: float
     chance: float
+    evidence: float
+    calibrated: bool = False
+
+    @property
+    def p_null(self) -> float:
+        """The probability that nothing is meant; 0 where no calibration tells."""
+        return 1.0 - self.presence if self.calibrated else 0.0
 
 
 class Likelihood:
     """Compares words with instances by softmax(s / T); colours count as independent of nouns."""
 
-    def __init__(self, tower: TextTower, temperature: float, ceiling: float) -> None:
-        self._colour_vectors = tower.encode(COLOUR_TERMS)
+    def __init__(
+        self,
+        tower: TextTower,
+        temperature: float,
+        ceiling: float,
+        null: NullParams | None = None,
+    ) -> None:
         self._vague_vectors = tower.encode(VAGUE)
         self._temperature = temperature
         self._ceiling = ceiling
+        self._null = null
 
     def fit(self, snapshot: SceneSnapshot, wanted: Wanted) -> Fit:
         """Return how well the words fit every instance; there must be at least one."""
         asked = list(wanted.colours)
         noun, common = self._noun_cosine(snapshot, wanted)
-        colour = snapshot.descriptors @ self._colour_vectors.T
-        log_colour = self._log_p(colour)[:, asked].sum(axis=1)
-        roles = np.array([one.geometry.role for one in snapshot.instances], np.str_)
+        colour = snapshot.columns.colour_scores
+        log_colour = self._log_colours(snapshot, wanted)
+        roles = snapshot.columns.role
         meant = roles == OBJECT
         if wanted.role != OBJECT and (roles == wanted.role).any():
             return self._fit_structure(snapshot, roles == wanted.role, noun, log_colour)
         log_fit = (noun - common).astype(np.float64) / self._temperature + log_colour
         log_fit[~meant] = -np.inf
+        if wanted.sizes:
+            fitting = log_size(snapshot, wanted.sizes, log_fit)
+            log_fit, log_colour = log_fit + fitting, log_colour + fitting
         order = np.argsort(-log_fit, kind="stable")[: meant.sum()]
         best = order[:LOOKED_AT]
         rivals = self._rivals(snapshot, wanted, best)
-        log_noun = self._log_p(np.column_stack([noun[best], rivals]))[:, 0]
+        choices = 1 + rivals.shape[1]
+        log_words = self._log_p(np.column_stack([noun[best], rivals]))[:, 0] + log_colour[best]
+        seen = evidence(log_words, choices)
         return Fit(
             p=np.exp(log_softmax(log_fit)) if meant.any() else np.zeros(len(meant)),
             cosine=np.column_stack([noun, colour[:, asked]]).mean(axis=1).astype(np.float64),
             order=order,
-            presence=min(
-                float(np.exp(log_noun + log_colour[best]).max(initial=0.0)), self._ceiling
-            ),
-            chance=1.0 / (1 + rivals.shape[1]) / len(COLOUR_TERMS) ** len(asked),
+            presence=self._presence(wanted, log_words, seen),
+            chance=1.0 / choices / len(COLOUR_TERMS) ** len(asked) / 2 ** len(wanted.sizes),
+            evidence=seen,
+            calibrated=self._null is not None,
         )
+
+    def each(self, snapshot: SceneSnapshot, wanted: Wanted, rows: Int64) -> Float64:
+        """Return the probability (M,) of each instance in ``rows`` that it is such a thing.
+
+        A coffee table is a table, too: what labels call a kind of it counts, and competes no more.
+        """
+        log_said = self._log_colours(snapshot, wanted)
+        if wanted.vector is None:
+            anything: Float64 = np.exp(log_said[rows])
+            return anything
+        if wanted.role != OBJECT:
+            found: Float64 = np.exp(log_said[rows]) * (snapshot.columns.role[rows] == wanted.role)
+            return found
+        noun, common = self._noun_cosine(snapshot, wanted)
+        if wanted.sizes:
+            log_fit = (noun - common).astype(np.float64) / self._temperature
+            log_said = log_said + log_size(snapshot, wanted.sizes, log_fit)
+        rivals = self._rivals(snapshot, replace(wanted, rivals=wanted.rivals & ~wanted.kinds), rows)
+        kinds = snapshot.label_scores[rows][:, wanted.kinds]
+        so_called = np.column_stack([noun[rows], kinds]).max(axis=1)
+        log_words = self._log_p(np.column_stack([so_called, rivals]))[:, 0] + log_said[rows]
+        seen = [evidence(log_words[i : i + 1], 1 + rivals.shape[1]) for i in range(len(rows))]
+        return np.array(
+            [self._presence(wanted, log_words[i : i + 1], one) for i, one in enumerate(seen)]
+        )
+
+    def _log_colours(self, snapshot: SceneSnapshot, wanted: Wanted) -> Float64:
+        """Return log p (N,) of the colours said, and of none of those excluded."""
+        if not wanted.colours and not wanted.excluded:
+            return np.zeros(len(snapshot))
+        log_p = self._log_p(snapshot.columns.colour_scores)
+        said: Float64 = log_p[:, list(wanted.colours)].sum(axis=1)
+        return said + log_excluded(log_p, wanted.excluded)
 
     def _fit_structure(
         self, snapshot: SceneSnapshot, meant: Bool, cosine: Float32, log_colour: Float64
     ) -> Fit:
         """Return the fit of a part of the building: the map knows it, the larger the likelier."""
-        voxels = np.array([one.geometry.voxel_count for one in snapshot.instances], np.float64)
-        log_fit = np.where(meant, np.log(np.maximum(voxels, 1.0)) + log_colour, -np.inf)
+        voxels = np.maximum(snapshot.columns.voxel_count, 1.0)
+        log_fit = np.where(meant, np.log(voxels) + log_colour, -np.inf)
+        coloured = float(log_colour[meant].max())
         return Fit(
             p=np.exp(log_softmax(log_fit)),
             cosine=cosine.astype(np.float64),
             order=np.argsort(-log_fit, kind="stable")[: meant.sum()],
-            presence=self._ceiling * float(np.exp(log_colour[meant].max())),
+            presence=float(np.exp(coloured)) * (1.0 if self._null else self._ceiling),
             chance=0.0,
+            evidence=coloured,
+            calibrated=self._null is not None,
         )
+
+    def _presence(self, wanted: Wanted, log_words: Float64, seen: float) -> float:
+        """Return the presence from log p(words | instance) of the best, and the evidence in it."""
+        if self._null is None:
+            return min(float(np.exp(log_words).max(initial=0.0)), self._ceiling)
+        anything = wanted.vector is None and not wanted.colours
+        return float(len(log_words) > 0) if anything else self._null.presence(seen)
 
     def _rivals(self, snapshot: SceneSnapshot, wanted: Wanted, rows: Int64) -> Float32:
         """Return the cosines of ``rows`` with everything the noun competes with."""
@@ -116,4 +182,4 @@ class Likelihood:
         if wanted.vector is None:
             nothing = np.zeros(len(snapshot), np.float32)
             return nothing, nothing
-        return snapshot.descriptors @ wanted.vector, snapshot.label_scores.mean(axis=1)
+        return snapshot.descriptors @ wanted.vector, snapshot.columns.label_mean

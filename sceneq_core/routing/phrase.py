@@ -4,21 +4,33 @@ A table-driven reader of short English questions. Text it does not understand st
 target, which the encoder then sees whole: reading too little is safe, reading too much is not.
 """
 
-import unicodedata
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sceneq_core.encoding.colour import split_colours
+from sceneq_core.reasoning.english import singular
 from sceneq_core.reasoning.reasoner import Constraint
-from sceneq_core.routing import words
+from sceneq_core.reasoning.relations import VIEWER_RELATIVE
+from sceneq_core.reasoning.superlatives import SIDEWAYS
+from sceneq_core.routing import order_words, words
+from sceneq_core.routing.attributes import plain_attributes
+from sceneq_core.routing.tokens import (
+    Tokens,
+    drop_prefix,
+    drop_suffix,
+    match_at,
+    suffix,
+    take,
+    tokens_of,
+)
 
 MAX_CHARS = 1000
 MAX_RELATIONS = 3
-_PUNCTUATION = '?!.,;:"“”„«»()[]{}<>¿¡'
 
-Tokens = tuple[str, ...]
+RELATIONS = {**words.RELATIONS, **words.VIEW_WORDS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,16 +53,13 @@ def read(text: str) -> Phrase:
     """
     if len(text) > MAX_CHARS:
         raise ValueError(f"question: {len(text)} characters, the limit is {MAX_CHARS}")
-    tokens = _strip_frame(_tokens(text))
+    tokens, view = _standpoint(text)
+    tokens = _strip_frame(tokens)
     if not tokens:
         raise ValueError("question: no words in it")
-    if tokens[0] in words.CLOSEST:
-        target, relations = _read_closest(tokens[1:])
-    else:
-        target, relations = _split_relations(tokens, words.RELATIONS)
-    target, sizes = _take(_strip_target(target), words.SIZES)
-    comparing = tuple(Constraint(words.SIZES[size], "") for size in sizes[:1])
-    return Phrase(_name(target), (*relations[:MAX_RELATIONS], *comparing))
+    target, constraints = _read_order(tokens)
+    target = plain_attributes(_strip_target(target))
+    return Phrase(_name(target), _seen(constraints, view))
 
 
 def without_colours(text: str) -> tuple[str, tuple[int, ...]]:
@@ -60,18 +69,48 @@ def without_colours(text: str) -> tuple[str, tuple[int, ...]]:
     return _name(tuple(rest.split())), rows
 
 
-def _tokens(text: str) -> Tokens:
-    folded = unicodedata.normalize("NFKC", text).replace("’", "'").lower()
-    printable = "".join(c if c.isprintable() else " " for c in folded)
-    stripped = (token.strip(_PUNCTUATION) for token in printable.split())
-    return tuple(token for token in stripped if token)
+def without_sizes(thing: str) -> tuple[str, tuple[str, ...]]:
+    """Return a thing without the size words it begins with, and these; never nothing at all."""
+    tokens = thing.split(" ")
+    count = next((i for i, token in enumerate(tokens) if token not in order_words.SIZE_WORDS), 0)
+    return _name(tuple(tokens[count:])), tuple(tokens[:count])
+
+
+def _standpoint(text: str) -> tuple[Tokens, Constraint | None]:
+    """Cut off a clause such as "facing the window, ..." and return it as a constraint."""
+    clauses = [tokens_of(clause) for clause in re.split(r",\s", text)]
+    for i, clause in enumerate(clauses):
+        behind = match_at(clause, 0, words.STANDPOINTS)
+        others = tuple(token for j, one in enumerate(clauses) if j != i for token in one)
+        if behind and others:
+            view = _relation(words.STANDPOINTS[" ".join(clause[:behind])], clause[behind:])
+            if view is not None and view.anchor:
+                return others, view
+    return tuple(token for clause in clauses for token in clause), None
+
+
+def _seen(constraints: tuple[Constraint, ...], view: Constraint | None) -> tuple[Constraint, ...]:
+    """Say of left and right where they are seen from; that alone is no relation."""
+    views = [c for c in constraints if c.relation in words.VIEWS]
+    kept = tuple(c for c in constraints if c.relation not in words.VIEWS)
+    view = view or (views[0] if views else None)
+    if view is None or not view.anchor:
+        return kept
+    seen_from = view.anchor if view.relation == "seen_from" else ""
+    facing = view.anchor if view.relation == "facing" else ""
+    return tuple(
+        replace(c, seen_from=seen_from, facing=facing)
+        if c.relation in VIEWER_RELATIVE or c.relation in SIDEWAYS
+        else c
+        for c in kept
+    )
 
 
 def _strip_frame(tokens: Tokens) -> Tokens:
     """Drop openings, determiners and endings, again and again, but never everything."""
     while True:
-        shorter = _drop_prefix(tokens, words.OPENINGS + words.DETERMINERS)
-        shorter = _drop_suffix(shorter, words.ENDINGS)
+        shorter = drop_prefix(tokens, words.OPENINGS + words.DETERMINERS)
+        shorter = drop_suffix(shorter, words.ENDINGS)
         if shorter == tokens or not shorter:
             return tokens
         tokens = shorter
@@ -79,7 +118,7 @@ def _strip_frame(tokens: Tokens) -> Tokens:
 
 def _strip_target(tokens: Tokens) -> Tokens:
     """Drop what leads up to a relation: "the cup that is", "which chair is"."""
-    shorter = _drop_suffix(_drop_prefix(tokens, words.DETERMINERS), words.LINKS)
+    shorter = drop_suffix(drop_prefix(tokens, words.DETERMINERS), words.LINKS)
     return tokens if shorter == tokens else _strip_target(shorter)
 
 
@@ -88,13 +127,61 @@ def _name(tokens: Tokens) -> str:
     return "" if text in words.ANYTHING else text
 
 
-def _read_closest(tokens: Tokens) -> tuple[Tokens, tuple[Constraint, ...]]:
-    """Read the rest of "the nearest chair to the door" and of "the nearest chair"."""
-    table = words.RELATIONS | words.AFTER_CLOSEST
-    target, relations = _split_relations(tokens, table)
-    if any(relation.relation == "nearest" for relation in relations):
+def _read_order(tokens: Tokens) -> tuple[Tokens, tuple[Constraint, ...]]:
+    """Read ordinals and superlatives, and the relations they leave."""
+    rank = order_words.ORDINALS.get(tokens[0], 1)
+    rest = tokens[1:] if rank > 1 or tokens[0] in order_words.ORDINALS else tokens
+    if rest and rest[0] in order_words.CLOSEST:
+        return _read_closest(rest[1:], order_words.CLOSEST[rest[0]], rank)
+    if rest != tokens and (counted := _read_counted(rest, rank)):
+        return counted
+    side = suffix(tokens, order_words.SIDES)
+    if side and len(tokens) > len(side.split()):
+        target, relations = _read_relations(tokens[: -len(side.split())])
+        return target, (*relations, Constraint(order_words.SIDES[side], ""))
+    target, relations = _read_relations(tokens)
+    _, sizes = take(target[:2] if rest != tokens else target, order_words.SIZES)
+    if not sizes:
         return target, relations
-    return target, (Constraint("nearest", ""), *relations)
+    target, _ = take(target, order_words.SIZES)
+    target = target[1:] if rest != tokens and target[:1] == tokens[:1] else target
+    return target, (*relations, Constraint(order_words.SIZES[sizes[0]], "", rank=rank))
+
+
+def _read_counted(tokens: Tokens, rank: int) -> tuple[Tokens, tuple[Constraint, ...]] | None:
+    """Read what follows "second" in "second chair from the left", or from any other thing."""
+    if "from" not in tokens[1:-1]:
+        return None
+    at = len(tokens) - 1 - tokens[::-1].index("from")
+    anchor = _strip_target(tokens[at + 1 :])
+    target, relations = _read_relations(tokens[:at])
+    relation = order_words.SIDE_NAMES.get(" ".join(anchor))
+    if relation:
+        return target, (*relations, Constraint(relation, "", rank=rank))
+    nearest = _relation("nearest", anchor)
+    return (target, (*relations, replace(nearest, rank=rank))) if nearest else None
+
+
+def _read_closest(tokens: Tokens, name: str, rank: int) -> tuple[Tokens, tuple[Constraint, ...]]:
+    """Read the rest of "the nearest chair to the door" and of "the nearest chair"."""
+    table = {**RELATIONS, **dict.fromkeys(order_words.AFTER_CLOSEST, name)}
+    target, relations = _split_relations(tokens, table)
+    if any(relation.relation == name for relation in relations):
+        ranked = (replace(r, rank=rank) if r.relation == name else r for r in relations)
+        return target, tuple(ranked)
+    return target, (Constraint(name, "", rank=rank), *relations)
+
+
+def _read_relations(tokens: Tokens) -> tuple[Tokens, tuple[Constraint, ...]]:
+    """Read "the table with a lamp on it", else every relation that has an anchor behind it."""
+    turned = suffix(tokens, words.TURNED)
+    kept = tokens[: -len(turned.split())] if turned else ()
+    at = next((i for i, token in enumerate(kept) if token in words.HAVING and i), 0)
+    anchor = _relation(words.TURNED[turned], kept[at + 1 :]) if at else None
+    if anchor is None:
+        return _split_relations(tokens, RELATIONS)
+    target, relations = _split_relations(kept[:at], RELATIONS)
+    return target, (*relations, anchor)
 
 
 def _split_relations(
@@ -105,57 +192,45 @@ def _split_relations(
     if not cuts:
         return tokens, ()
     ends = [start for start, _, _ in cuts[1:]] + [len(tokens)]
-    relations = [
-        _relation(name, tokens[behind:end])
-        for (_, behind, name), end in zip(cuts, ends, strict=True)
-    ]
-    return tokens[: cuts[0][0]], tuple(r for r in relations if r is not None)
+    relations = []
+    for (start, behind, name), end in zip(cuts, ends, strict=True):
+        relation = _relation(name, tokens[behind:end])
+        if relation is not None:
+            relations.append(replace(relation, negated=tokens[start - 1 : start] == ("not",)))
+    return drop_suffix(tokens[: cuts[0][0]], ("not",)), tuple(relations[:MAX_RELATIONS])
 
 
 def _cuts(tokens: Tokens, table: Mapping[str, str]) -> Iterable[tuple[int, int, str]]:
     """Yield (start, end, relation) of the relation words that something follows."""
     at = 0
     while at < len(tokens):
-        end = _match_at(tokens, at, table)
-        if 0 < end < len(tokens):
-            yield at, end, table[" ".join(tokens[at:end])]
+        end = match_at(tokens, at, table)
+        name = table.get(" ".join(tokens[at:end]), "")
+        if 0 < end < len(tokens) and (at or name not in words.VIEWS):
+            yield at, end, name
         at = max(end, at + 1)
 
 
 def _relation(name: str, anchor: Tokens) -> Constraint | None:
+    anchor = drop_suffix(drop_suffix(anchor, ("not",)), ("and", "but"))
     text = " ".join(anchor)
     if text in words.VIEWER:
         return Constraint(name, "")
-    noun = " ".join(_strip_target(anchor))
+    if name == "between":
+        return _between(anchor)
+    noun = _noun(anchor)
     return None if noun in words.PLACES or not noun else Constraint(name, noun)
 
 
-def _take(tokens: Tokens, wanted: Iterable[str]) -> tuple[Tokens, Tokens]:
-    """Return the tokens without the wanted words, and those words."""
-    known = frozenset(wanted)
-    return tuple(t for t in tokens if t not in known), tuple(t for t in tokens if t in known)
+def _between(anchor: Tokens) -> Constraint | None:
+    """Read "the sofa and the table", or "the windows": two of the same."""
+    if "and" not in anchor:
+        noun = singular(_noun(drop_prefix(anchor, ("the two", "both the", "both", "two"))))
+        return Constraint("between", noun, noun) if noun else None
+    at = anchor.index("and")
+    one, other = _noun(anchor[:at]), _noun(anchor[at + 1 :])
+    return Constraint("between", one, other) if one and other else None
 
 
-def _drop_prefix(tokens: Tokens, phrases: Sequence[str]) -> Tokens:
-    end = _match_at(tokens, 0, phrases)
-    return tokens[end:] if end else tokens
-
-
-def _drop_suffix(tokens: Tokens, phrases: Sequence[str]) -> Tokens:
-    for phrase in phrases:
-        part = tuple(phrase.split())
-        if tokens[-len(part) :] == part:
-            return tokens[: -len(part)]
-    return tokens
-
-
-def _match_at(tokens: Tokens, at: int, phrases: Iterable[str]) -> int:
-    """Return the end of the longest phrase that starts at ``at``, 0 = none."""
-    lengths = (len(phrase.split()) for phrase in phrases if _starts(tokens, at, phrase))
-    longest = max(lengths, default=0)
-    return at + longest if longest else 0
-
-
-def _starts(tokens: Tokens, at: int, phrase: str) -> bool:
-    part = tuple(phrase.split())
-    return tokens[at : at + len(part)] == part
+def _noun(tokens: Tokens) -> str:
+    return " ".join(plain_attributes(_strip_target(tokens)))

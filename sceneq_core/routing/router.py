@@ -1,20 +1,14 @@
 """From a question to an answer: at once when the encoder is sure, by a reasoner when not."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache, partial
 
 import numpy as np
 
 from sceneq_core.checks import need_within
 from sceneq_core.encoding.encoder import Encoder
-from sceneq_core.reasoning.reasoner import (
-    NO_USAGE,
-    LabelProblem,
-    LabelVerdict,
-    Problem,
-    Usage,
-    Verdict,
-)
+from sceneq_core.reasoning.reasoner import NO_USAGE, Problem, Usage, Verdict
 from sceneq_core.routing.answer import (
     AMBIGUOUS,
     FALLBACK,
@@ -23,18 +17,22 @@ from sceneq_core.routing.answer import (
     NOT_FOUND,
     REASONED,
     Answer,
-    Match,
-    Naming,
 )
 from sceneq_core.routing.candidates import pose_problem
 from sceneq_core.routing.gate import Confidence
-from sceneq_core.routing.judge import Judge, JudgeParams, absence, hesitation
-from sceneq_core.routing.labels import Label, Labeller
+from sceneq_core.routing.judge import Judge, JudgeParams, absence
+from sceneq_core.routing.labels import Labeller
 from sceneq_core.routing.likelihood import Fit, Likelihood
+from sceneq_core.routing.matches import MAX_MATCHES, matches_of_fit, matches_of_ranking
+from sceneq_core.routing.named_fit import judged_by_name, with_name
+from sceneq_core.routing.namer import Namer, OtherLabels
+from sceneq_core.routing.names import GivenName
+from sceneq_core.routing.null import NullParams
+from sceneq_core.routing.picture import PictureMatcher
 from sceneq_core.routing.question import Question, Reader, TextTower
+from sceneq_core.routing.report import Reporter
 from sceneq_core.routing.scene import SceneSnapshot
-
-MAX_MATCHES = 50
+from sceneq_core.routing.tally import Counter
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,10 +40,11 @@ class RouterParams:
     """``top_k``: candidates for the reasoner.
 
     ``synonym_cosine``: labels whose text is this close to the words mean the same thing and do
-    not compete with them.
+    not compete with them. ``null``: how probable "none of them" is; a calibration knows.
     """
 
     judge: JudgeParams = field(default_factory=JudgeParams)
+    null: NullParams | None = None
     top_k: int = 10
     synonym_cosine: float = 0.8
 
@@ -58,54 +57,77 @@ class RouterParams:
 class Routed:
     """The encoder's answer, whether it is ``enough``, and the problem for a reasoner if it is not.
 
-    ``presence`` is the least of all things that are spoken of, anchors included. There is no
-    problem in an empty map.
+    ``presence`` is the least of all things that are spoken of, anchors included. ``pose`` returns
+    the problem; there is none in an empty map.
     """
 
     answer: Answer
     enough: bool
     presence: float
-    problem: Problem | None
+    pose: Callable[[], Problem | None]
+
+    @property
+    def problem(self) -> Problem | None:
+        """The problem, made once and only if somebody wants it."""
+        return self.pose()
 
 
 class Router:
-    """Both directions: text to instance (``answer``), instance to label (``label``).
+    """Both directions: text to instance (``answer``), instance to label (``namer``).
 
     The fast path asks the encoder alone; docs/adr/0004-bold-or-ambiguous.md says why its gate
     leaves so much to a reasoner.
     """
 
-    def __init__(self, params: RouterParams, encoder: Encoder, labeller: Labeller) -> None:
+    def __init__(
+        self,
+        params: RouterParams,
+        encoder: Encoder,
+        labeller: Labeller,
+        calibration: str = "none",
+    ) -> None:
+        """``calibration`` names what temperature, gate and null are from."""
         tower = TextTower(encoder)
         self.params = params
         self.labeller = labeller
+        self.calibration = calibration
         self._temperature = encoder.temperature
         self._judge = Judge(params.judge)
+        self.namer = Namer(labeller, self._judge, encoder.temperature, params.top_k)
+        self.other_labels = OtherLabels(self.namer, encoder)
         self._reader = Reader(tower, labeller, params.synonym_cosine)
-        self._likelihood = Likelihood(tower, encoder.temperature, encoder.ceiling)
+        self._likelihood = Likelihood(tower, encoder.temperature, encoder.ceiling, params.null)
+        counter = Counter(self._likelihood, params.judge.min_claim)
+        self.pictures = PictureMatcher(labeller, self._judge, encoder.temperature)
+        self.reporter = Reporter(self.fits, self._judge, counter)
 
-    def read(self, text: str) -> Question:
+    def read(self, text: str, *, many: bool = False) -> Question:
         """Return the question in ``text``: the only step that runs the text tower.
+
+        ``many``: it speaks of its target in the plural.
 
         Raises:
             ValueError: empty or too long.
         """
-        return self._reader.read(text)
+        return self._reader.read(text, many=many)
 
     def answer(self, snapshot: SceneSnapshot, question: Question) -> Routed:
         """Answer from the descriptors, and say whether a reasoner should look at it."""
         if not len(snapshot):
-            return Routed(_empty(snapshot, question), enough=True, presence=0.0, problem=None)
+            return Routed(_empty(snapshot, question), enough=True, presence=0.0, pose=lambda: None)
         # s = cos(instance, words) and p = softmax(s / T), for the target and every anchor.
         fits = self.fits(snapshot, question)
         target = fits[question.phrase.target]
+        # One more candidate: none of them, when the target or an anchor is not there.
+        p_null = max(fit.p_null for fit in fits.values())
         # The gate: p_max, margin and normalised entropy of the target's p.
-        confidence = Confidence.of(target.p, self._temperature)
-        status, reason = self._decide(question, fits, confidence)
+        confidence = Confidence.of((1.0 - p_null) * target.p, self._temperature, p_null)
+        given = snapshot.names.meant(question.phrase.target, question.text)
+        status, reason = self._decide(question, fits, confidence, given)
         answer = Answer(
             status=status,
             question=question.text,
-            matches=_matches(snapshot, target),
+            matches=matches_of_fit(snapshot, target, p_null),
             confidence=confidence,
             presence=target.presence,
             route=FAST,
@@ -118,13 +140,17 @@ class Router:
             answer=answer,
             enough=status != AMBIGUOUS,
             presence=min(fit.presence for fit in fits.values()),
-            problem=pose_problem(snapshot, question, fits, self.params.top_k),
+            pose=cache(partial(pose_problem, snapshot, question, fits, self.params.top_k)),
         )
 
     def fits(self, snapshot: SceneSnapshot, question: Question) -> dict[str, Fit]:
         """Return how well every thing a question speaks of fits the instances; one at least."""
-        wanted = question.wanted.items()
-        return {words: self._likelihood.fit(snapshot, thing) for words, thing in wanted}
+        fits = {}
+        for words, thing in question.wanted.items():
+            fit = self._likelihood.fit(snapshot, thing)
+            given = snapshot.names.meant(words, question.text)
+            fits[words] = with_name(fit, given) if given else fit
+        return fits
 
     def conclude(self, snapshot: SceneSnapshot, routed: Routed, verdict: Verdict) -> Answer:
         """Return the reasoner's answer; it may be bold only where the encoder knows the thing.
@@ -139,19 +165,22 @@ class Router:
             reason=verdict.reason,
             vlm_calls=verdict.vlm_calls,
             usage=verdict.usage,
+            cached=verdict.cached,
         )
         if not verdict.ranking:
-            sure = self._judge.claims(routed.presence)
+            sure = fast.status == NOT_FOUND or self._judge.claims(routed.presence)
             return replace(told, status=NOT_FOUND if sure else AMBIGUOUS)
-        confidence = Confidence.of(np.array([p for _, p in verdict.ranking]), self._temperature)
-        known = self._judge.claims(routed.presence, confidence.p_max)
+        p_null = fast.confidence.p_null
+        ranking = [(one, (1.0 - p_null) * p) for one, p in verdict.ranking]
+        confidence = Confidence.of(np.array([p for _, p in ranking]), self._temperature, p_null)
+        known = self._judge.claims(routed.presence, max(p for _, p in verdict.ranking))
         sure = known and self._judge.accepts(confidence)
         doubt = "" if known else "; but the encoder is not sure that these are such things"
         return replace(
             told,
             reason=verdict.reason + doubt,
             status=FOUND if sure else AMBIGUOUS,
-            matches=tuple(_ranked(snapshot, routed.problem, verdict.ranking)),
+            matches=tuple(matches_of_ranking(snapshot, routed.problem, ranking)),
             confidence=confidence,
         )
 
@@ -163,70 +192,24 @@ class Router:
         reason = f"{why}; {fast.reason}"
         return replace(fast, route=FALLBACK, reason=reason, vlm_calls=vlm_calls, usage=usage)
 
-    def label(self, snapshot: SceneSnapshot, row: int, k: int = 5) -> Naming:
-        """Return what the instance in ``row`` is called, and whether the gate accepts it."""
-        scores = snapshot.label_scores[row]
-        confidence = Confidence.of(self.labeller.distribution(scores), self._temperature)
-        accepted = self._judge.accepts(confidence)
-        return Naming(
-            status=FOUND if accepted else AMBIGUOUS,
-            instance=snapshot.instances[row],
-            labels=self.labeller.best_of_scores(scores, k),
-            confidence=confidence,
-            reason="the gate accepts the label" if accepted else hesitation(confidence),
-            revision=snapshot.revision,
-        )
-
-    def label_problem(self, snapshot: SceneSnapshot, row: int) -> LabelProblem:
-        """Return the question for a reasoner what the instance in ``row`` is called."""
-        best = self.labeller.best_of_scores(snapshot.label_scores[row], self.params.top_k)
-        instance = snapshot.instances[row]
-        views = tuple((view.seq, view.box_xyxy) for view in instance.views)
-        labels = tuple((label.name, label.p) for label in best)
-        return LabelProblem(instance.instance_id, labels, views)
-
-    def conclude_label(
-        self, snapshot: SceneSnapshot, row: int, verdict: LabelVerdict, k: int = 5
-    ) -> Naming:
-        """Return the reasoner's name: it has seen the thing, so its own votes carry the claim.
-
-        Raises:
-            ValueError: no label, or one that the encoder did not propose.
-        """
-        if not verdict.ranking:
-            raise ValueError("verdict: no label")
-        naming = self.label(snapshot, row, self.params.top_k)
-        confidence = Confidence.of(np.array([p for _, p in verdict.ranking]), self._temperature)
-        cosine = {label.name: label.cosine for label in naming.labels}
-        if unknown := [name for name, _ in verdict.ranking if name not in cosine]:
-            raise ValueError(f"verdict: {unknown[0]!r:.40} was not proposed")
-        return replace(
-            naming,
-            status=FOUND if self._judge.accepts(confidence) else AMBIGUOUS,
-            labels=tuple(Label(name, p, cosine[name]) for name, p in verdict.ranking[:k]),
-            confidence=confidence,
-            reason=verdict.reason,
-            route=REASONED,
-            vlm_calls=verdict.vlm_calls,
-            usage=verdict.usage,
-        )
-
-    def fall_back_label(
-        self, naming: Naming, why: str, vlm_calls: int = 0, usage: Usage = NO_USAGE
-    ) -> Naming:
-        """Return the encoder's name, marked as in ``fall_back``."""
-        reason = f"{why}; {naming.reason}"
-        return replace(naming, route=FALLBACK, reason=reason, vlm_calls=vlm_calls, usage=usage)
-
     def _decide(
-        self, question: Question, fits: Mapping[str, Fit], confidence: Confidence
+        self,
+        question: Question,
+        fits: Mapping[str, Fit],
+        confidence: Confidence,
+        given: GivenName | None,
     ) -> tuple[str, str]:
-        """Judge the target; the encoder cannot be sure of a relation, only of a missing anchor."""
+        """Judge the target; the encoder cannot be sure of a relation, only of a missing anchor.
+
+        ``given`` is the taught name that the target is, if it is one.
+        """
         target, constraints = question.phrase.target, question.phrase.constraints
-        for words in (c.anchor for c in constraints if c.anchor):
+        for words in (words for c in constraints for words in c.things):
             if self._judge.absent(fits[words]):
-                return NOT_FOUND, absence(words)
+                return NOT_FOUND, absence(words, fits[words])
         status, reason = self._judge.judge(target or "anything", fits[target], confidence)
+        if given is not None:
+            status, reason = judged_by_name(given, self._judge, confidence, (status, reason))
         if constraints and status != NOT_FOUND:
             return AMBIGUOUS, f"ranked by '{target or 'anything'}' only, {_left_out(question)}"
         return status, reason
@@ -238,34 +221,13 @@ def _empty(snapshot: SceneSnapshot, question: Question) -> Answer:
         status=NOT_FOUND,
         question=question.text,
         matches=(),
-        confidence=Confidence.of(np.zeros(0), 1.0),
+        confidence=Confidence.of(np.zeros(0), 1.0, 1.0),
         presence=0.0,
         route=FAST,
         reason=f"the map is empty: {seen} instances, none with a descriptor yet",
         vlm_calls=0,
         revision=snapshot.revision,
     )
-
-
-def _matches(snapshot: SceneSnapshot, fit: Fit) -> tuple[Match, ...]:
-    p = fit.p
-    return tuple(
-        Match(snapshot.instances[row], float(p[row]), float(fit.cosine[row]))
-        for row in fit.order[:MAX_MATCHES].tolist()
-    )
-
-
-def _ranked(
-    snapshot: SceneSnapshot, problem: Problem | None, ranking: Iterable[tuple[int, float]]
-) -> Iterable[Match]:
-    """Yield the matches of a ranking, evidence and cosine from the problem it solves."""
-    targets = [c for c in problem.candidates if c.role == "target"] if problem else []
-    cosine = {c.instance_id: c.cosine for c in targets}
-    for instance_id, p in ranking:
-        row = snapshot.find(instance_id)
-        if row is None or instance_id not in cosine:
-            raise ValueError(f"verdict: instance {instance_id} was not a candidate")
-        yield Match(snapshot.instances[row], p, cosine[instance_id])
 
 
 def _left_out(question: Question) -> str:

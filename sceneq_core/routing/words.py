@@ -81,6 +81,8 @@ ANYTHING = (
     "item",
     "items",
     "stuff",
+    "one",
+    "ones",
 )
 """Targets that every instance satisfies."""
 
@@ -112,6 +114,19 @@ RELATIONS = {
     "underneath": "under",
     "beneath": "under",
     "below": "under",
+    "resting on": "on",
+    "placed on": "on",
+    "hung on": "on",
+    "atop": "on",
+    "alongside": "next_to",
+    "touching": "next_to",
+    "between": "between",
+    "in between": "between",
+    "supporting": "supports",
+    "containing": "contains",
+    "holding": "contains",
+    "far from": "far_from",
+    "far away from": "far_from",
     "above": "above",
     "over": "above",
     "left of": "left_of",
@@ -132,20 +147,57 @@ RELATIONS = {
 }
 """Words between target and anchor -> relation; the longest match wins."""
 
-SIZES = {
-    "largest": "largest",
-    "biggest": "largest",
-    "smallest": "smallest",
-    "tiniest": "smallest",
-    "tallest": "tallest",
-    "highest": "highest",
-    "lowest": "lowest",
+HAVING = ("with", "having", "has", "have")
+TURNED = {
+    "on top of it": "supports",
+    "on top of them": "supports",
+    "on top": "supports",
+    "on it": "supports",
+    "on them": "supports",
+    "inside it": "contains",
+    "inside": "contains",
+    "in it": "contains",
+    "next to it": "next_to",
+    "beside it": "next_to",
+    "near it": "near",
+    "above it": "under",
+    "over it": "under",
+    "under it": "above",
+    "below it": "above",
+    "behind it": "in_front_of",
+    "in front of it": "behind",
 }
-"""Superlatives that choose among several targets."""
+"""Endings that say it the other way round: "the table with a lamp on it"."""
 
-CLOSEST = ("nearest", "closest")
-AFTER_CLOSEST = {"to": "nearest", "from": "nearest"}
-"""Before the target: "the nearest chair" is nearest to the viewer, or to the anchor named later."""
+STANDPOINTS = {
+    "facing": "facing",
+    "when facing": "facing",
+    "while facing": "facing",
+    "if you face": "facing",
+    "if you are facing": "facing",
+    "looking at": "facing",
+    "when looking at": "facing",
+    "seen from": "seen_from",
+    "as seen from": "seen_from",
+    "viewed from": "seen_from",
+    "looking from": "seen_from",
+    "standing at": "seen_from",
+}
+"""Clauses, set off by a comma, that say where left and right are seen from."""
+
+VIEW_WORDS = {
+    "seen from": "seen_from",
+    "as seen from": "seen_from",
+    "viewed from": "seen_from",
+    "when seen from": "seen_from",
+    "when facing": "facing",
+    "while facing": "facing",
+    "if you face": "facing",
+    "if you are facing": "facing",
+}
+"""The same, said between words."""
+
+VIEWS = ("seen_from", "facing")
 
 VIEWER = ("me", "us", "you", "myself", "yourself", "the viewer", "the robot", "the observer")
 """Anchors that mean where the scene is seen from."""

@@ -1,9 +1,10 @@
 """The keyframes worth keeping: those that views refer to, and the newest."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
+from typing import Any
 
 from sceneq_core.checks import need_at_least
 from sceneq_core.views.keyframe import Keyframe
@@ -72,6 +73,20 @@ class ImageArchive:
             self._references[instance_id] = seqs
         else:
             self._references.pop(instance_id, None)
+
+    def parts(self) -> dict[str, Any]:
+        """Return what is kept beside the keyframes, in their order."""
+        return {
+            "order": list(self._keyframes),
+            "references": dict(self._references),
+            "dropped": (self.dropped_unused, self.dropped_used),
+        }
+
+    def resume(self, keyframes: Mapping[int, Keyframe], parts: Mapping[str, Any]) -> None:
+        """Become the archive whose ``parts`` these are, as far as its keyframes are here."""
+        self._keyframes = {seq: keyframes[seq] for seq in parts["order"] if seq in keyframes}
+        self._references = dict(parts["references"])
+        self.dropped_unused, self.dropped_used = parts["dropped"]
 
     def make_room(self) -> tuple[int, ...]:
         """Let go of what is old and unused, then of what few views use; return the seqs that went.

@@ -31,6 +31,14 @@ class Places:
     def __len__(self) -> int:
         return len(self._index)
 
+    def coords(self, first: int) -> Int32:
+        """Return the grid coordinates (N, 3) of the places from ``first`` on."""
+        return self._index.coords(first)
+
+    def extend(self, coord: Int32) -> None:
+        """Number further places, at grid coordinates (N, 3), as another ``Places`` did."""
+        self._index.extend(coord)
+
     def forget_voxels(self) -> None:
         """Start again with voxel ids; places keep their numbers."""
         self._place_of_voxel = np.zeros(0, np.int32)

@@ -1,6 +1,8 @@
 """The keyframes that show each instance best, kept up to date while the map grows."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +12,7 @@ from sceneq_core.mapping.delta import MapDelta
 from sceneq_core.mapping.replica import MapReplica
 from sceneq_core.views.archive import ArchiveParams, ImageArchive
 from sceneq_core.views.choice import Candidates, ChoiceParams, choose
-from sceneq_core.views.keyframe import changed_blocks, make_keyframe
+from sceneq_core.views.keyframe import Keyframe, changed_blocks, make_keyframe
 from sceneq_core.views.place import Places
 from sceneq_core.views.sighting import Sightings, find_sightings, make_view
 from sceneq_core.views.view import View, ViewSet
@@ -43,7 +45,7 @@ class ViewSelector:
         """Take what says which place a pixel shows; by default its voxel does."""
         self._params = params or ViewParams()
         self._replica = MapReplica()
-        self._places = Places() if places is None else places
+        self.places = Places() if places is None else places
         self._instance_of_place: Int32 = np.zeros(1, np.int32)
         self._sightings: dict[int, Sightings] = {}
         self._view_sets: dict[int, ViewSet] = {}
@@ -63,13 +65,13 @@ class ViewSelector:
     def follow(self, delta: MapDelta) -> None:
         """Take over a change of the map, or all of it; raise ``ValueError`` like ``observe``."""
         self._replica.apply(delta)
-        moved_from = self._places.of(delta.moved_from_id)
+        moved_from = self.places.of(delta.moved_from_id)
         if delta.full:
-            self._places.forget_voxels()
+            self.places.forget_voxels()
             self._concerned.update(self._view_sets)
-        self._places.learn(delta.voxel_id, delta.voxel_coord)
+        self.places.learn(delta.voxel_id, delta.voxel_coord)
         if len(moved_from):
-            self._move(moved_from, self._places.of(delta.moved_to_id))
+            self._move(moved_from, self.places.of(delta.moved_to_id))
         self._concerned.update(instance.instance_id for instance in delta.instances)
         self._recount()
 
@@ -80,7 +82,7 @@ class ViewSelector:
             self._forget(frame.seq)
         for seq in self.archive.make_room():
             self._forget(seq)
-        place = self._places.render(frame, self._replica.voxel_size_m)
+        place = self.places.render(frame, self._replica.voxel_size_m)
         keyframe = make_keyframe(frame, place)
         self.archive.add(keyframe)
         sightings = find_sightings(keyframe, self._instance_of_place)
@@ -106,9 +108,34 @@ class ViewSelector:
         """Return the JPEG of a keyframe, ``None`` when it is gone; safe from any thread."""
         return self.archive.jpeg(seq)
 
+    def parts(self) -> dict[str, Any]:
+        """Return what is kept beside the keyframes, the places and the map."""
+        return {
+            "instance_of_place": self._instance_of_place,
+            "sightings": self._sightings,
+            "view_sets": self._view_sets,
+            "concerned": self._concerned,
+            "archive": self.archive.parts(),
+        }
+
+    def resume(
+        self, keyframes: Mapping[int, Keyframe], place_coords: Int32, parts: Mapping[str, Any]
+    ) -> None:
+        """Become the selector whose ``parts`` these are; the map has yet to be told, in full.
+
+        A keyframe that is not among ``keyframes`` any more is let go of, with what was seen in it.
+        """
+        self.places.extend(place_coords)
+        self._instance_of_place = parts["instance_of_place"]
+        self._sightings, self._view_sets = parts["sightings"], parts["view_sets"]
+        self._concerned = parts["concerned"]
+        self.archive.resume(keyframes, parts["archive"])
+        for seq in [seq for seq in self._sightings if seq not in self.archive]:
+            self._forget(seq)
+
     def _recount(self) -> None:
         """Count again where keyframes show places that changed their instance."""
-        before, now = self._instance_of_place, self._places.instance_of_place(self._replica)
+        before, now = self._instance_of_place, self.places.instance_of_place(self._replica)
         self._instance_of_place = now
         changed = _differs(before, now)
         blocks = changed_blocks(changed)
@@ -120,8 +147,8 @@ class ViewSelector:
 
     def _move(self, from_place: Int32, to_place: Int32) -> None:
         """Let keyframes show surfaces where they are since a correction of poses."""
-        place_now = self._places.moves(from_place, to_place)
-        self._instance_of_place = self._places.instance_of_place(self._replica)
+        place_now = self.places.moves(from_place, to_place)
+        self._instance_of_place = self.places.instance_of_place(self._replica)
         for keyframe in tuple(self.archive):
             moved = keyframe.moved(place_now)
             self.archive.add(moved)

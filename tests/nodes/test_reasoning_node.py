@@ -40,7 +40,7 @@ def test_a_problem_gets_a_verdict(bus):
     reply = bus.query(REASON, payload=problem_bytes(posed("cup on the coffee table")))
     verdict = verdict_from_bytes(reply.payload)
     assert verdict.ranking[0][0] == 6
-    assert verdict.reason == "instance 6 ('cup') is on instance 5 ('coffee table')"
+    assert verdict.reason == "2 cups; instance 6 ('cup') is on instance 5 ('coffee table')"
     assert bus.counters["problems_solved"] == 1
 
 

@@ -6,10 +6,14 @@ import math
 import pytest
 
 from sceneq_core.reasoning.reasoner import LabelVerdict, UnansweredError, Usage
+from sceneq_core.routing.budget import Budget
+from sceneq_core.routing.policy import PolicyParams
 from sceneq_core.views.jpeg import jpeg_from_rgb
 from sceneq_nodes._asked_reasoner import AskedReasoner
 from sceneq_nodes._bus import QueryError, Reply
-from sceneq_nodes._front_door import FrontDoor, Look
+from sceneq_nodes._front_door import FrontDoor
+from sceneq_nodes._look import Look
+from sceneq_nodes._purse import Purse
 from sceneq_nodes._reason_json import (
     any_problem_from_bytes,
     label_verdict_from_bytes,
@@ -40,7 +44,9 @@ class House:
         self.node.open(self.thinking)
         self.routing = FakeBus()
         self.routing.answer(REASON, lambda r: self.thinking.query(REASON, payload=r.payload))
-        asked = AskedReasoner(self.routing, "room", timeout_s=5.0)
+        asked = AskedReasoner(
+            self.routing, "room", 5.0, Purse(self.routing, Budget(), PolicyParams())
+        )
         look = Look(snapshot(noise=0.0), 0.0)
         door = FrontDoor("room", router(), lambda: look, asked.solve, dict, name=asked.label)
         self.routing.serve(QUERY_ASK, door.ask, scene="room")
@@ -188,7 +194,7 @@ def test_the_time_of_a_question_goes_along(house):
     with chat_server(chooses("1")) as chat:
         home = house(chat.url)
         home.ask(q=QUESTION)
-        home.ask(q=QUESTION, deadline_ms="3000")
+        home.ask(q=f"the {QUESTION}", deadline_ms="3000")  # the same words would be known
     patient, hurried = (any_problem_from_bytes(r.payload).time_s for r in home.routing.asked)
     assert patient == 5.0
     assert 2.0 < hurried < 3.0

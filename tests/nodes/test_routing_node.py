@@ -147,6 +147,7 @@ def test_an_answer_has_everything_a_client_needs(bus):
         "instances",
         "confidence",
         "route",
+        "cached",
         "reason",
         "cost",
         "map",
@@ -171,6 +172,7 @@ def test_an_instance_comes_with_boxes_and_evidence(bus):
     assert best == {
         "id": 16,
         "label": "lamp",
+        "label_source": "encoder",
         "role": "object",
         "centre": [-2.75, 2.15, 0.8],
         "box_aabb": {"min": [-2.9, 2.0, 0.0], "max": [-2.6, 2.3, 1.6]},
@@ -423,7 +425,7 @@ def test_a_name_may_be_reasoned(bus):
     bus.answer(REASON, name)
     fast = ask(bus, QUERY_LABEL, id="4")
     told = ask(bus, QUERY_LABEL, id="4", mode="reason")
-    assert told["labels"][0] == fast["labels"][1] | {"p": 0.9}
+    assert told["labels"][0] == fast["labels"][1] | {"p": 0.9, "source": "reasoner"}
     assert (told["route"], told["reason"]) == ("reasoned", "seen twice")
     assert told["cost"]["vlm_calls"] == 2
     assert told["cost"]["tokens"] == {"in": 7, "out": 8}

@@ -8,6 +8,7 @@ import numpy as np
 from sceneq_schemas.correction import PoseCorrection
 from sceneq_schemas.feature import Descriptor, FeatureDelta
 from sceneq_schemas.frame import Frame, ImageData, Pose
+from sceneq_schemas.label import InstanceLabel, LabelDelta
 from sceneq_schemas.map import Event, Instance, MapDelta, Place
 from sceneq_schemas.mask import Masks
 from sceneq_schemas.proposal import ProposalSet
@@ -31,6 +32,7 @@ EXAMPLES = (
         depth_mm=ImageData("raw", "<u2", (2, 3), bytes(range(12))),
         K=K,
         T_world_camera=T_WORLD_CAMERA,
+        after=5,
     ),
     Pose(seq=8, stamp_ns=-5, T_world_camera=T_WORLD_CAMERA, source="given", keyframe=True),
     PoseCorrection(
@@ -132,6 +134,21 @@ EXAMPLES = (
                 descriptor=np.array([0.6, 0.8], np.float32),
                 feature=ramp("<f4", 3),
             ),
+        ),
+        removed=np.array([4], np.int32),
+    ),
+    LabelDelta(
+        epoch=1_700_000_000,
+        seq=6,
+        full=False,
+        frame_seq=7,
+        stamp_ns=1_000,
+        model_id="hash-v1",
+        label_set="scannet200",
+        map_epoch=1_700_000_001,
+        labels=(
+            InstanceLabel(3, "coffee table", 0.75, True, "encoder"),
+            InstanceLabel(5, "aunt mary's mug", 1.0, True, "taught"),
         ),
         removed=np.array([4], np.int32),
     ),

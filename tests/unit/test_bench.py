@@ -25,7 +25,7 @@ from sceneq_tools.bench.measurement import (
     p99,
     samples_ms,
 )
-from sceneq_tools.bench.query_server import options_from, text_from
+from sceneq_tools.bench.query_feeder import options_from, text_from
 from sceneq_tools.bench.reference import fixed_work, fixed_work_ms
 from sceneq_tools.bench.stopwatch import Stopwatch
 from sceneq_tools.errors import UserError

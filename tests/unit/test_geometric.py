@@ -103,7 +103,7 @@ def test_does_not_depend_on_the_direction_of_gravity(target, relation, anchor, e
 
 def test_the_reason_names_target_and_anchor():
     verdict = REASONER.solve(problem("cup", "on", "coffee table"))
-    assert verdict.reason == "instance 6 ('cup') is on instance 5 ('coffee table')"
+    assert verdict.reason == "2 cups; instance 6 ('cup') is on instance 5 ('coffee table')"
 
 
 def test_probabilities_leave_room_for_none_of_them():

@@ -56,6 +56,7 @@ def test_nodes_read_everything_from_one_json(tmp_path: Path) -> None:
         "scene": "my_kitchen_2",
         "robot": "r2",
         "sensor": "camera",
+        "store": None,
         "router": {
             "endpoint": "tcp/127.0.0.1:7600",
             "listen": ["tcp/0.0.0.0:7600"],
@@ -69,6 +70,12 @@ def test_nodes_read_everything_from_one_json(tmp_path: Path) -> None:
             "mapping": {"kind": "mapping", "params": {}},
         },
     }
+
+
+def test_the_store_is_one_folder_from_wherever_a_node_looks(tmp_path: Path) -> None:
+    path = tmp_path / "graph.yaml"
+    path.write_text("scene: room\nstore: maps/../kept\nnodes: [{id: mapping}]")
+    assert plan(*load(path), "local").as_json()["store"] == str(Path.cwd() / "kept")
 
 
 def test_a_source_folder_has_to_be_there_where_it_is_read(tmp_path: Path) -> None:

@@ -50,6 +50,17 @@ def test_a_node_runs_alone_without_a_file() -> None:
     assert launch == Launch("views", context, {"waiting": 3, "names": ["a"]}, "tcp/127.0.0.1:7447")
 
 
+def test_durable_files_lie_in_a_folder_of_the_scene(environment: dict[str, str]) -> None:
+    path = Path(environment["SCENEQ_GRAPH"])
+    path.write_text(json.dumps({**GRAPH, "store": "/maps"}))
+    launch = read_launch([], environment)
+    assert isinstance(launch, Launch)
+    assert launch.context.store == Path("/maps/kitchen")
+    alone = read_launch(["mapping", "--scene", "hall", "--store", "here"], {})
+    assert isinstance(alone, Launch)
+    assert alone.context.store == Path("here/hall")
+
+
 def test_the_router(environment: dict[str, str]) -> None:
     assert read_launch(["router"], environment) == RouterLaunch(
         ["tcp/0.0.0.0:7000"], ["tcp/server:7447"]

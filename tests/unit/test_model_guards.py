@@ -6,7 +6,8 @@ import time
 import pytest
 
 from sceneq_core.reasoning.reasoner import Usage
-from sceneq_nodes._accounting import Budget, Ledger, OverBudgetError, Prices
+from sceneq_core.routing.budget import Budget, OverBudgetError
+from sceneq_nodes._accounting import Ledger, Prices
 from sceneq_nodes._circuit_breaker import BreakerParams, CircuitBreaker, OpenCircuitError
 from sceneq_nodes._timed_calls import OutOfTimeError, TimedCalls, wait
 

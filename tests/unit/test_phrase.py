@@ -4,7 +4,14 @@ import pytest
 
 from sceneq_core.encoding.colour import COLOUR_TERMS
 from sceneq_core.reasoning.reasoner import Constraint
-from sceneq_core.routing.phrase import MAX_CHARS, Phrase, read, without_colours
+from sceneq_core.routing.attributes import without_excluded
+from sceneq_core.routing.phrase import (
+    MAX_CHARS,
+    Phrase,
+    read,
+    without_colours,
+    without_sizes,
+)
 
 
 @pytest.mark.parametrize(
@@ -114,3 +121,75 @@ def test_a_long_question_is_refused_and_one_at_the_limit_read():
 def test_colours_are_basic_terms(thing, noun, colours):
     rest, rows = without_colours(thing)
     assert (rest, [COLOUR_TERMS[row] for row in rows]) == (noun, colours)
+
+
+@pytest.mark.parametrize(
+    ("text", "target", "constraint"),
+    [
+        ("the farthest chair from the door", "chair", Constraint("farthest", "door")),
+        ("the furthest lamp", "lamp", Constraint("farthest", "")),
+        ("the second chair from the left", "chair", Constraint("leftmost", "", rank=2)),
+        ("third mug from the window", "mug", Constraint("nearest", "window", rank=3)),
+        ("the second closest chair to the door", "chair", Constraint("nearest", "door", rank=2)),
+        ("third largest box", "box", Constraint("largest", "", rank=3)),
+        ("the first tallest lamp", "lamp", Constraint("tallest", "")),
+        ("the leftmost chair", "chair", Constraint("leftmost", "")),
+        ("the chair on the far right", "chair", Constraint("rightmost", "")),
+        ("the widest desk", "desk", Constraint("widest", "")),
+        (
+            "facing the window, the chair on the right",
+            "chair",
+            Constraint("rightmost", "", facing="window"),
+        ),
+        (
+            "the bin left of the desk seen from the door",
+            "bin",
+            Constraint("left_of", "desk", seen_from="door"),
+        ),
+        (
+            "the chair between the sofa and the coffee table",
+            "chair",
+            Constraint("between", "sofa", other="coffee table"),
+        ),
+        ("the lamp between the two windows", "lamp", Constraint("between", "window", "window")),
+        ("a chair that is not near the desk", "chair", Constraint("near", "desk", negated=True)),
+        ("the cup that isn't on the table", "cup", Constraint("on", "table", negated=True)),
+        ("the table with a lamp on it", "table", Constraint("supports", "lamp")),
+        ("a shelf with books on top of it", "shelf", Constraint("supports", "books")),
+        ("the lamp far from the sofa", "lamp", Constraint("far_from", "sofa")),
+    ],
+)
+def test_orders_frames_and_negations(text, target, constraint):
+    assert read(text) == Phrase(target, (constraint,))
+
+
+@pytest.mark.parametrize(
+    ("text", "target"),
+    [
+        ("first aid kit", "first aid kit"),
+        ("second hand", "second hand"),
+        ("chair with armrests", "chair with armrests"),
+        ("the chair that is red", "red chair"),
+        ("the chair that is not red", "chair not red"),
+        ("the mug which is dark blue", "dark blue mug"),
+        ("seen from above", "seen from above"),
+        ("small white camera", "small white camera"),
+    ],
+)
+def test_what_is_no_relation_stays_with_the_target(text, target):
+    assert read(text) == Phrase(target, ())
+
+
+def test_sizes_are_taken_from_the_front_only():
+    assert without_sizes("long low cabinet") == ("cabinet", ("long", "low"))
+    assert without_sizes("cabinet") == ("cabinet", ())
+    assert without_sizes("small one") == ("", ("small",))
+    assert without_sizes("small") == ("small", ())
+
+
+def test_colours_that_are_excluded():
+    rest, rows = without_excluded("chair not dark red")
+    assert (rest, [COLOUR_TERMS[row] for row in rows]) == ("chair", ["red"])
+    rest, rows = without_excluded("non-blue mug")
+    assert (rest, [COLOUR_TERMS[row] for row in rows]) == ("mug", ["blue"])
+    assert without_excluded("not a chair") == ("not a chair", ())

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sceneq_core.reasoning.relations import RELATIONS, Pair, RelationParams
-from sceneq_core.reasoning.superlatives import probability_of_first
+from sceneq_core.reasoning.superlatives import probability_of_rank
 from sceneq_core.reasoning.upright import UprightBox, distance, overlap, upright_axes
 
 PARAMS = RelationParams()
@@ -90,12 +90,12 @@ def test_upright_axes_stand_on_the_floor_along_the_box():
 
 
 def test_the_first_of_equals_is_undecided():
-    first = probability_of_first(np.ones(3), np.zeros(3), 0.1)
+    first = probability_of_rank(np.ones(3), np.zeros(3), 0.1)
     assert first == pytest.approx([0.25] * 3)
 
 
 def test_a_doubtful_nearer_thing_does_not_beat_a_certain_one():
-    first = probability_of_first(np.array([0.1, 1.0]), np.array([1.0, 2.0]), 0.05)
+    first = probability_of_rank(np.array([0.1, 1.0]), np.array([1.0, 2.0]), 0.05)
     assert first == pytest.approx([0.1, 0.9])
 
 

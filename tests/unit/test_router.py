@@ -162,18 +162,18 @@ def test_fallback_keeps_the_encoders_answer_and_says_why():
 
 
 def test_labels_come_with_their_gate():
-    naming = ROUTER.label(SURE, SURE.find(16), k=3)
+    naming = ROUTER.namer.label(SURE, SURE.find(16), k=3)
     assert naming.status == "found"
     assert naming.labels[0].name == "lamp"
     assert len(naming.labels) == 3
-    assert ROUTER.label(UNSURE, UNSURE.find(16)).status == "ambiguous"
+    assert ROUTER.namer.label(UNSURE, UNSURE.find(16)).status == "ambiguous"
 
 
 def test_scores_far_out_do_not_make_an_encoder_bolder_than_it_has_been_right():
     encoder = WordEncoder()
     encoder.ceiling = 0.45
     modest = Router(RouterParams(), encoder, Labeller(named("scannet200"), encoder))
-    naming = modest.label(SURE, SURE.find(16))
+    naming = modest.namer.label(SURE, SURE.find(16))
     assert naming.labels[0].name == "lamp"
     assert naming.labels[0].p == pytest.approx(0.45)
     assert naming.status == "ambiguous"

@@ -1,7 +1,7 @@
 """What a bench measures, and how."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -70,6 +70,29 @@ def samples_ms(
         start_s = time.perf_counter()
         work()
         taken_ms.append(1000 * (time.perf_counter() - start_s))
+    return taken_ms
+
+
+def in_turns_ms(
+    works: Sequence[Callable[[], object]],
+    seconds: float,
+    warm_ups: int = 1,
+    least: int = LEAST_SAMPLES,
+) -> list[list[float]]:
+    """Return how long each work took, all within ``seconds``, one after the other, again and again.
+
+    What others do on the machine meanwhile slows a work and its reference alike.
+    """
+    taken_ms: list[list[float]] = [[] for _ in works]
+    for work in works:
+        for _ in range(warm_ups):
+            work()
+    end_s = time.perf_counter() + seconds
+    while len(taken_ms[0]) < least or time.perf_counter() < end_s:
+        for work, taken in zip(works, taken_ms, strict=True):
+            start_s = time.perf_counter()
+            work()
+            taken.append(1000 * (time.perf_counter() - start_s))
     return taken_ms
 
 

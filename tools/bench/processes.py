@@ -16,7 +16,7 @@ CONNECT_S = 10.0
 def router() -> Iterator[str]:
     """Run a router in a process of its own; yield its endpoint as soon as it answers."""
     endpoint = f"tcp/127.0.0.1:{free_port()}"
-    with _running("sceneq_nodes", "router", "--endpoint", endpoint, errors=subprocess.DEVNULL):
+    with running("sceneq_nodes", "router", "--endpoint", endpoint, errors=subprocess.DEVNULL):
         Client(endpoint, CONNECT_S).close()
         yield endpoint
 
@@ -28,7 +28,7 @@ def helper(module: str, *arguments: str) -> Iterator[str]:
     Raises:
         ConnectionError: it ended instead; what it said is on stderr.
     """
-    with _running(module, *arguments) as process:
+    with running(module, *arguments) as process:
         assert process.stdout is not None
         line = process.stdout.readline()
         if not line:
@@ -37,7 +37,7 @@ def helper(module: str, *arguments: str) -> Iterator[str]:
 
 
 @contextmanager
-def _running(
+def running(
     module: str, *arguments: str, errors: int | None = None
 ) -> Iterator["subprocess.Popen[str]"]:
     """Run a module until the end of the block; ``errors``: where its stderr goes, None = ours."""

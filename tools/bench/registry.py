@@ -14,6 +14,7 @@ BENCHES: Mapping[str, str] = {
     "stages": "sceneq_tools.bench.stages:stages",
     "laps": "sceneq_tools.bench.laps:laps",
     "query": "sceneq_tools.bench.query:query",
+    "scale": "sceneq_tools.bench.scale:scale",
 }
 NEED_SOURCE = frozenset({"stages", "laps", "query"})
 

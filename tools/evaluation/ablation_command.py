@@ -1,6 +1,7 @@
 """``sceneq eval ablation``: what reasoning is worth, and what it costs."""
 
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -24,16 +25,34 @@ def run(
     graph: GraphFile = None,
     calibration: CalibrationFile = None,
     json_file: JsonFile = None,
+    policies: Annotated[
+        bool, typer.Option("--policies", help="Compare policies: cost-accuracy curves.")
+    ] = False,
+    simulated: Annotated[
+        list[float] | None,
+        typer.Option(min=0.0, max=1.0, help="With --policies: accuracy of a simulated model."),
+    ] = None,
+    png: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="With --policies: draw the curves.")
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Answer the questions of recordings without, with selective and with constant reasoning."""
     from sceneq_tools.evaluation.ablation import evaluate_ablation
     from sceneq_tools.evaluation.calibration_command import read_scenes
+    from sceneq_tools.evaluation.policies import curves_of, save, tell
     from sceneq_tools.evaluation.retrieval_setup import open_setup
     from sceneq_tools.json_file import write_json
 
     setup = open_setup(graph, calibration)
-    ablation = evaluate_ablation(read_scenes(recordings, setup, quiet), setup)
+    scenes = read_scenes(recordings, setup, quiet)
+    if policies:
+        curves = curves_of(scenes, setup, simulated or ())
+        typer.echo(f"policies in {', '.join(one.questioned.name for one in scenes)}: {told(setup)}")
+        tell(curves)
+        save(curves, scenes, setup, json_file, png)
+        return
+    ablation = evaluate_ablation(scenes, setup)
     typer.echo(f"ablation in {', '.join(ablation.recordings)}: {told(setup)}")
     print_ablation(ablation)
     if json_file is not None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sceneq_core.evaluation.gate_decisions import F1, Decisions, Nudged, f1_of, sensitivity
+from sceneq_core.evaluation.gate_decisions import F1, Nudged, f1_of, sensitivity
 from sceneq_core.evaluation.proper_scores import brier, log_loss, top_brier
 from sceneq_core.evaluation.ranking import auroc
 from sceneq_core.evaluation.reliability import (
@@ -14,15 +14,16 @@ from sceneq_core.evaluation.reliability import (
     calibration_error,
     equal_mass_bins,
     equal_width_bins,
+    error_without_fault,
 )
 from sceneq_core.evaluation.risk_coverage import RiskCoverage, risk_coverage
 from sceneq_core.routing.gate import GateParams
 from sceneq_core.routing.labels import Labeller, LabelSet
 from sceneq_core.routing.router import Router
+from sceneq_tools.evaluation.calibration_claims import CLAIMS, Claims, claims_of, first_claim
 from sceneq_tools.evaluation.calibration_guesses import (
     Guess,
     decisions,
-    first_answer,
     label_guesses,
     question_guesses,
 )
@@ -32,11 +33,13 @@ from sceneq_tools.evaluation.retrieval_setup import Setup
 
 WIDTH_BINS, MASS_BINS = 15, 10
 
-QUESTIONS = "questions: which instance is meant, of those with a right one and without a relation"
+QUESTIONS = "questions: which instance is meant, or none of them; those without a relation"
+SUPPOSING = "supposing: which instance is meant, of those where there is one and told so"
 LABELS = "labels: what a true instance is called, of those whose name is in the label set"
 PROTOCOL = (
     "NLL, Brier: all choices, several right ones count as one; ECE: p of the first guess, "
-    f"{WIDTH_BINS} bins of equal width / {MASS_BINS} of equal mass; AURC: area under risk against "
+    f"{WIDTH_BINS} bins of equal width / {MASS_BINS} of equal mass, by chance: what probabilities "
+    "without any fault would show on so few guesses; AURC: area under risk against "
     "coverage, least AURC: the least possible at this accuracy; AUROC: right against wrong "
     "first guesses"
 )
@@ -63,6 +66,7 @@ class TaskScores:
     """How well the probabilities of one kind of guesses are calibrated.
 
     ``auroc`` is by what the gate looks at, ``None`` where all guesses are right or all wrong.
+    ``ece_noise``: the ``ece_width`` that probabilities without any fault would show on average.
     """
 
     task: str
@@ -75,6 +79,7 @@ class TaskScores:
     top_brier: float
     ece_width: float
     ece_mass: float
+    ece_noise: float
     bins: tuple[Bin, ...]
     mass_bins: tuple[Bin, ...]
     curve: RiskCoverage
@@ -84,7 +89,7 @@ class TaskScores:
         """Return everything in values that JSON knows."""
         plain = (
             *("task", "choices", "guesses", "accuracy", "confidence", "nll", "brier"),
-            *("top_brier", "ece_width", "ece_mass", "auroc"),
+            *("top_brier", "ece_width", "ece_mass", "ece_noise", "auroc"),
         )
         return {
             **{name: getattr(self, name) for name in plain},
@@ -101,7 +106,8 @@ class TaskScores:
 class RoutingScores:
     """How well the gate decides, and how that changes when a threshold does.
 
-    ``as_routed`` is what becomes of it in the whole router, over all ``questions``.
+    ``as_routed`` is what becomes of it in the whole router, over all ``questions``, and ``claims``
+    what it then claims.
     """
 
     gate: GateParams
@@ -111,10 +117,11 @@ class RoutingScores:
     sensitivity: tuple[Nudged, ...]
     questions: int
     as_routed: F1
+    claims: Claims
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything in values that JSON knows."""
-        return asdict(self)
+        return {**asdict(self), "claims": self.claims.as_dict()}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,6 +139,7 @@ class CalibrationReport:
             "protocol": PROTOCOL,
             "routing_protocol": ROUTING,
             "as_routed_protocol": ROUTED,
+            "claims_protocol": CLAIMS,
             "recordings": list(self.recordings),
             "temperature": self.temperature,
             "tasks": [task.as_dict() for task in self.tasks],
@@ -148,13 +156,14 @@ def evaluate_calibration(scenes: Sequence[Scene], setup: Setup) -> CalibrationRe
         recordings=tuple(scene.questioned.name for scene in scenes),
         temperature=setup.tempered.temperature,
         tasks=(
-            task_scores(QUESTIONS, "instances", [one for one in asked if one.has_answer]),
+            task_scores(QUESTIONS, "instances", [one.with_null for one in asked]),
             *(
                 task_scores(LABELS, labeller.label_set.name, labels_of(scenes, labeller))
                 for labeller in (router.labeller, own)
             ),
+            task_scores(SUPPOSING, "instances", [o.supposing for o in asked if o.has_answer]),
         ),
-        routing=routing_scores(scenes, router, decisions(asked)),
+        routing=routing_scores(scenes, router, asked),
     )
 
 
@@ -203,6 +212,7 @@ def task_scores(task: str, choices: str, guesses: Sequence[Guess]) -> TaskScores
         top_brier=top_brier(seen.p_max, seen.right),
         ece_width=calibration_error(bins),
         ece_mass=calibration_error(mass_bins),
+        ece_noise=error_without_fault(seen.p_max, WIDTH_BINS),
         bins=bins,
         mass_bins=mass_bins,
         curve=risk_coverage(seen.p_max, seen.right),
@@ -214,21 +224,18 @@ def task_scores(task: str, choices: str, guesses: Sequence[Guess]) -> TaskScores
     )
 
 
-def routing_scores(scenes: Sequence[Scene], router: Router, seen: Decisions) -> RoutingScores:
-    """Return how well the gate and the whole router decide; ``seen`` is what the gate sees."""
-    gate = router.params.judge.gate
-    at_once, right = (
-        np.array(
-            [
-                first_answer(router, scene.candidates, query)
-                for scene in scenes
-                for query in scene.questioned.queries
-            ],
-            np.bool_,
-        )
-        .reshape(-1, 2)
-        .T
-    )
+def routing_scores(
+    scenes: Sequence[Scene], router: Router, asked: Sequence[Guess]
+) -> RoutingScores:
+    """Return how well the gate and the whole router decide; the gate decides on ``asked``."""
+    gate, seen = router.params.judge.gate, decisions(asked)
+    made = [
+        first_claim(router, scene.candidates, query)
+        for scene in scenes
+        for query in scene.questioned.queries
+    ]
+    at_once = np.array([one.enough for one in made], np.bool_)
+    right = np.array([one.is_right for one in made], np.bool_)
     return RoutingScores(
         gate=gate,
         decisions=len(seen),
@@ -237,6 +244,7 @@ def routing_scores(scenes: Sequence[Scene], router: Router, seen: Decisions) -> 
         sensitivity=sensitivity(seen, gate),
         questions=len(right),
         as_routed=f1_of(at_once, right),
+        claims=claims_of(made, asked),
     )
 
 

@@ -23,11 +23,12 @@ if TYPE_CHECKING:
         Scene,
         TaskScores,
     )
+    from sceneq_tools.evaluation.calibration_claims import Claims
     from sceneq_tools.evaluation.retrieval_setup import Setup
 
 COLUMNS = (
     *("guesses", "n", "right", "mean p", "NLL", "Brier", "top Brier"),
-    *("ECE width/mass", "AURC (least)", "AUROC p", "margin", "entropy"),
+    *("ECE width/mass", "by chance", "AURC (least)", "AUROC p", "margin", "entropy"),
 )
 GATE_COLUMNS = ("threshold", "x 0.9", "x 1", "x 1.1")
 
@@ -79,6 +80,7 @@ def tuned_on(scenes: "Sequence[Scene]", setup: "Setup") -> list[str]:
 def print_calibration(report: "CalibrationReport") -> None:
     """Print the measures with their protocols, and the gate's decisions."""
     from sceneq_tools.evaluation.calibration import PROTOCOL, ROUTED, ROUTING
+    from sceneq_tools.evaluation.calibration_claims import CLAIMS
     from sceneq_tools.table import print_table
 
     print_table(COLUMNS, [_row(task) for task in report.tasks], f"T {report.temperature:g}")
@@ -90,8 +92,10 @@ def print_calibration(report: "CalibrationReport") -> None:
     seen = f"{routing.decisions} questions, {routing.right} first guesses right"
     typer.echo(f"routing {_decided(routing.f1)} of {seen}")
     typer.echo(f"as routed {_decided(routing.as_routed)} of {routing.questions} questions")
+    typer.echo(_claimed(routing.claims))
     typer.echo(ROUTING)
     typer.echo(ROUTED)
+    typer.echo(CLAIMS)
     title = "routing F1 (fast path taken) when one threshold is scaled"
     print_table(GATE_COLUMNS, _sensitivity_rows(report.routing), title)
 
@@ -108,6 +112,7 @@ def _row(task: "TaskScores") -> tuple[str, ...]:
         f"{task.brier:.3f}",
         f"{task.top_brier:.3f}",
         f"{task.ece_width:.3f}/{task.ece_mass:.3f}",
+        f"{task.ece_noise:.3f}",
         f"{curve.area:.3f} ({curve.least_area:.3f})",
         *(_share(task.auroc[name]) for name in ("p_max", "margin", "entropy")),
     )
@@ -117,6 +122,15 @@ def _decided(score: "F1") -> str:
     return (
         f"F1 {score.f1:.3f}: precision {score.precision:.3f}, recall {score.recall:.3f}, "
         f"fast path taken for {100 * score.accepted:.0f} %"
+    )
+
+
+def _claimed(claims: "Claims") -> str:
+    auroc = _share(claims.absence_auroc)
+    return (
+        f"claims of {claims.questions}: {claims.found} found, {claims.found_right} of them right "
+        f"(risk {100 * claims.risk:.0f} %); {claims.not_found} not found, "
+        f"{claims.not_found_right} of them right; AUROC of {claims.absent} absent {auroc}"
     )
 
 

@@ -1,14 +1,13 @@
 """First guesses with the probabilities behind them, in the two directions of the router."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sceneq_core.arrays import Bool, Float64
 from sceneq_core.evaluation.gate_decisions import Decisions
-from sceneq_core.evaluation.ranking import hit_at
-from sceneq_core.routing.answer import NOT_FOUND
+from sceneq_core.evaluation.proper_scores import LEAST_P
 from sceneq_core.routing.gate import Confidence
 from sceneq_core.routing.labels import Labeller
 from sceneq_core.routing.router import Router
@@ -21,12 +20,15 @@ from sceneq_tools.evaluation.true_things import TrueThing
 class Guess:
     """A distribution ``p`` (C,) over the choices of ``what``, and which ``is_right`` (C,).
 
-    Nothing is right when there is no such thing among the choices.
+    ``p_null`` is what is left to "none of them", which is right when no choice is. ``evidence`` is
+    what that is judged by.
     """
 
     what: str
     p: Float64
     is_right: Bool
+    p_null: float = 0.0
+    evidence: float = 0.0
 
     @property
     def has_answer(self) -> bool:
@@ -38,11 +40,25 @@ class Guess:
         """Whether the most probable choice is right; of equal ones the first counts."""
         return bool(self.is_right[int(np.argmax(self.p))])
 
+    @property
+    def supposing(self) -> "Guess":
+        """The same on the supposition that there is one."""
+        return replace(self, p=self.p / max(1.0 - self.p_null, LEAST_P), p_null=0.0)
+
+    @property
+    def with_null(self) -> "Guess":
+        """The same with "none of them" as the last choice."""
+        return Guess(
+            what=self.what,
+            p=np.append(self.p, self.p_null),
+            is_right=np.append(self.is_right, not self.has_answer),
+        )
+
 
 def question_guesses(
     router: Router, candidates: Candidates, queries: Iterable[Query]
 ) -> list[Guess]:
-    """Return for every question the probability of each candidate to be meant.
+    """Return for every question the probability of each candidate, and of none, to be meant.
 
     Questions with a relation are left out: the encoder's first guess never decides those.
     """
@@ -53,17 +69,10 @@ def question_guesses(
         if question.phrase.constraints or not ids:
             continue
         fit = router.fits(candidates.snapshot, question)[question.phrase.target]
-        guesses.append(Guess(query.text, fit.p, np.isin(ids, _right(candidates, query))))
+        is_right = np.isin(ids, right_candidates(candidates, query))
+        p = (1.0 - fit.p_null) * fit.p
+        guesses.append(Guess(query.text, p, is_right, fit.p_null, fit.evidence))
     return guesses
-
-
-def first_answer(router: Router, candidates: Candidates, query: Query) -> tuple[bool, bool]:
-    """Return whether the router answers without a reasoner, and whether that would be right."""
-    routed = router.answer(candidates.snapshot, router.read(query.text))
-    if query.is_absent or routed.answer.status == NOT_FOUND:
-        return routed.enough, query.is_absent and routed.answer.status == NOT_FOUND
-    best = [match.instance.instance_id for match in routed.answer.matches[:1]]
-    return routed.enough, hit_at(best, _right(candidates, query), 1)
 
 
 def label_guesses(
@@ -75,7 +84,7 @@ def label_guesses(
     """
     labels = [label.lower() for label in labeller.label_set.labels]
     named = {thing.id: {name.lower() for name in thing.names} for thing in things}
-    scores = labeller.scores(candidates.snapshot.descriptors)
+    scores = labeller.scores(np.asarray(candidates.snapshot.descriptors))
     guesses = []
     for instance, row in zip(candidates.snapshot.instances, scores, strict=True):
         names = named[instance.instance_id]
@@ -87,7 +96,7 @@ def label_guesses(
 
 def decisions(guesses: Sequence[Guess]) -> Decisions:
     """Return what the gate sees of the guesses."""
-    seen = [Confidence.of(guess.p, 1.0) for guess in guesses]
+    seen = [Confidence.of(guess.p, 1.0, guess.p_null) for guess in guesses]
     return Decisions(
         p_max=np.array([one.p_max for one in seen], np.float64),
         margin=np.array([one.margin for one in seen], np.float64),
@@ -96,7 +105,7 @@ def decisions(guesses: Sequence[Guess]) -> Decisions:
     )
 
 
-def _right(candidates: Candidates, query: Query) -> list[int]:
+def right_candidates(candidates: Candidates, query: Query) -> list[int]:
     """Return the candidates that are what is asked for, by their first rule of a hit."""
     matches = next(iter(candidates.matches.values()))
     return [one for target in sorted(query.targets) for one in matches.get(target, ())]

@@ -6,7 +6,7 @@ encoder, and the scene that questions are answered from.
 """
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -95,7 +95,7 @@ def oracle(folder: Path, setup: Setup, advance: Advance) -> Oracle:
         UserError: a file of the recording that is missing or malformed.
     """
     things = read_things(folder / THINGS_FILE)
-    instances = _instances(folder, [thing for thing in things if is_candidate(thing)])
+    instances = true_instances(folder, [thing for thing in things if is_candidate(thing)])
     selector, last = _see(folder, setup, things, instances)
     scene = Scene(setup.router.labeller)
     scene.apply_map(Revision(EPOCH, 1, last.seq, last.stamp_ns), instances, UP_WORLD, full=True)
@@ -108,34 +108,48 @@ def oracle(folder: Path, setup: Setup, advance: Advance) -> Oracle:
     return Oracle(snapshot, tuple(one.instance_id for one in snapshot.waiting))
 
 
-def true_views(folder: Path, setup: Setup) -> ViewSelector:
-    """Return the views of every true thing, with their images; raises as ``oracle`` does."""
+def true_views(
+    folder: Path, setup: Setup, keep: Callable[[int], bool] = lambda number: True
+) -> ViewSelector:
+    """Return the views of every true thing, with their images; raises as ``oracle`` does.
+
+    ``keep`` says of the number of a keyframe, from 0, whether it is looked at.
+    """
     things = read_things(folder / THINGS_FILE)
-    instances = _instances(folder, [thing for thing in things if is_candidate(thing)])
-    return _see(folder, setup, things, instances)[0]
+    instances = true_instances(folder, [thing for thing in things if is_candidate(thing)])
+    return _see(folder, setup, things, instances, keep)[0]
 
 
 def _see(
-    folder: Path, setup: Setup, things: Sequence[TrueThing], instances: Sequence[Instance]
+    folder: Path,
+    setup: Setup,
+    things: Sequence[TrueThing],
+    instances: Sequence[Instance],
+    keep: Callable[[int], bool] = lambda number: True,
 ) -> tuple[ViewSelector, Ingested]:
     selector = ViewSelector(setup.views, TruePlaces(folder, things))
     selector.follow(_map(instances))
-    return selector, _look(folder, setup, selector)
+    return selector, _look(folder, setup, selector, keep)
 
 
-def _look(folder: Path, setup: Setup, selector: ViewSelector) -> Ingested:
+def _look(
+    folder: Path, setup: Setup, selector: ViewSelector, keep: Callable[[int], bool]
+) -> Ingested:
     """Show the keyframes to ``selector``; return the last frame."""
-    last = None
-    for last in _ingested(folder, setup):
+    last, number = None, 0
+    for last in ingested(folder, setup):
         if last.keyframe is not None:
-            selector.see(last.keyframe)
-            selector.changes()
+            if keep(number):
+                selector.see(last.keyframe)
+                selector.changes()
+            number += 1
     if last is None:
         raise UserError(f"{folder}: no frame can be used", 2)
     return last
 
 
-def _ingested(folder: Path, setup: Setup) -> Iterator[Ingested]:
+def ingested(folder: Path, setup: Setup) -> Iterator[Ingested]:
+    """Yield the frames of a recording as a graph would take them in; raises as ``oracle``."""
     specs = IngestSpecs({"kind": "folder", "path": str(folder)}, setup.keyframes)
     try:
         source = open_source(specs)
@@ -143,13 +157,13 @@ def _ingested(folder: Path, setup: Setup) -> Iterator[Ingested]:
     except ValueError as error:
         raise UserError(str(error), 2) from error
     for raw in source.frames():
-        ingested = raw if isinstance(raw, Skipped) else ingestor.ingest(raw)
-        if isinstance(ingested, Skipped):
-            raise UserError(f"{ingested.where}: {ingested.reason}", 2)
-        yield ingested
+        taken = raw if isinstance(raw, Skipped) else ingestor.ingest(raw)
+        if isinstance(taken, Skipped):
+            raise UserError(f"{taken.where}: {taken.reason}", 2)
+        yield taken
 
 
-def _instances(folder: Path, things: Sequence[TrueThing]) -> list[Instance]:
+def true_instances(folder: Path, things: Sequence[TrueThing]) -> list[Instance]:
     """Return the things with their true boxes."""
     records = json.loads((folder / THINGS_FILE).read_text())["instances"]
     boxes = {int(record["id"]): record["history"][-1]["box"] for record in records}

@@ -12,10 +12,11 @@ from typing import Any
 
 from sceneq_core.reasoning.reasoner import Pictures, Problem, Verdict, no_pictures
 from sceneq_core.routing.answer import FALLBACK, FAST, FOUND, NOT_FOUND, REASONED
-from sceneq_core.routing.router import MAX_MATCHES
+from sceneq_core.routing.matches import MAX_MATCHES
 from sceneq_core.routing.scene import SceneSnapshot
 from sceneq_nodes._bus import Request
-from sceneq_nodes._front_door import FrontDoor, Look
+from sceneq_nodes._front_door import FrontDoor
+from sceneq_nodes._look import Look
 from sceneq_nodes._reason_json import (
     problem_bytes,
     problem_from_bytes,

@@ -8,16 +8,17 @@ from typing import Any, TypeVar
 from sceneq_core.encoding.describe import DescribeParams
 from sceneq_core.encoding.encoder import Encoder
 from sceneq_core.reasoning.reasoner import Reasoner
-from sceneq_core.routing.router import Router
+from sceneq_core.routing.router import Router, RouterParams
 from sceneq_core.views.selector import ViewParams
 from sceneq_nodes._backends import build
-from sceneq_nodes._calibration import Calibration, given_calibration
+from sceneq_nodes._calibration import Calibration
+from sceneq_nodes._chosen_calibration import chosen_calibration
 from sceneq_nodes._ingesting import Spec
 from sceneq_nodes._new_router import new_router
 from sceneq_nodes._params import validate
+from sceneq_nodes._routing_params import RoutingParams
 from sceneq_nodes.encoding import EncodingParams
 from sceneq_nodes.reasoning import ReasoningParams
-from sceneq_nodes.routing import RoutingParams
 from sceneq_nodes.views import ViewsParams
 from sceneq_tools.errors import UserError
 from sceneq_tools.graph import default_path, load
@@ -32,8 +33,8 @@ USUAL_KEYFRAMES: Spec = {"kind": "interval"}
 class Setup:
     """Encoder, router and reasoner of a graph, and how its instances are seen and described.
 
-    ``read_ms`` remembers how long a question took to read for the first time, the only time that
-    the text tower runs.
+    ``params``: of the router, as the graph says, before any calibration. ``read_ms`` remembers how
+    long a question took to read for the first time, the only time that the text tower runs.
     """
 
     encoder: Encoder
@@ -43,6 +44,7 @@ class Setup:
     keyframes: Spec
     views: ViewParams
     describe: DescribeParams
+    params: RouterParams = field(default_factory=RouterParams)
     read_ms: dict[str, float] = field(default_factory=dict)
 
     @property
@@ -50,11 +52,10 @@ class Setup:
         """The encoder with the temperature that the router uses."""
         return self.calibration.of_encoder(self.encoder) if self.calibration else self.encoder
 
-    def with_calibration(self, calibration: Calibration) -> "Setup":
-        """Return the same with another calibration; ``ValueError`` as ``new_router``."""
-        router = self.router
-        label_set = router.labeller.label_set
-        calibrated = new_router(self.encoder, label_set, router.params, calibration)
+    def with_calibration(self, calibration: Calibration | None) -> "Setup":
+        """Return the same with another calibration or none; ``ValueError`` as ``new_router``."""
+        label_set = self.router.labeller.label_set
+        calibrated = new_router(self.encoder, label_set, self.params, calibration)
         return replace(self, router=calibrated, calibration=calibration)
 
     def named(self) -> dict[str, str]:
@@ -64,12 +65,14 @@ class Setup:
             "reasoner": type(self.reasoner).__name__,
             "label_set": self.router.labeller.label_set.name,
             "temperature": f"{self.tempered.temperature:g}",
-            "calibration": "given" if self.calibration else "none",
+            "calibration": self.router.calibration,
         }
 
 
 def open_setup(graph: Path | None = None, calibration: Path | None = None) -> Setup:
-    """Return what the nodes of ``graph`` would build; ``calibration`` replaces the graph's.
+    """Return what the nodes of ``graph`` would build.
+
+    ``calibration``: a file that replaces the graph's; "none" = no calibration.
 
     Raises:
         UserError: a graph or calibration that cannot be used.
@@ -90,7 +93,8 @@ def _setup(params: Mapping[str, Mapping[str, Any]], calibration: Path | None) ->
     reasoning = _validated(ReasoningParams, params, "reasoning")
     encoder: Encoder = build("encoder", encoding.encoder, ("encoder",))
     views = _validated(ViewsParams, params, "views")
-    fitted = given_calibration(str(calibration) if calibration else routing.calibration)
+    setting = str(calibration) if calibration else routing.calibration
+    fitted = chosen_calibration(setting, encoder)
     return Setup(
         encoder=encoder,
         router=new_router(encoder, routing.chosen_labels(), routing.router, fitted),
@@ -99,6 +103,7 @@ def _setup(params: Mapping[str, Mapping[str, Any]], calibration: Path | None) ->
         keyframes=params.get("ingest", {}).get("keyframes", USUAL_KEYFRAMES),
         views=ViewParams(views.choice, views.archive),
         describe=encoding.describe,
+        params=routing.router,
     )
 
 

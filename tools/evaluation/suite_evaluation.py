@@ -6,7 +6,7 @@ from typing import Any
 
 from sceneq_tools.evaluation.ablation import evaluate_ablation
 from sceneq_tools.evaluation.calibration import evaluate_calibration
-from sceneq_tools.evaluation.calibration_fit import BOTH, Fitted, fit
+from sceneq_tools.evaluation.calibration_fit import QUESTIONS, Fitted, fit
 from sceneq_tools.evaluation.instances import InstancesParams, evaluate_scenes
 from sceneq_tools.evaluation.retrieval import merged
 from sceneq_tools.evaluation.retrieval_setup import Setup
@@ -72,7 +72,7 @@ def evaluate(scenes: Sequence[SuiteScene], setup: Setup) -> Evaluation:
 
 
 def _fitted(scenes: Sequence[SuiteScene], setup: Setup) -> Fitted | None:
-    return fit(_plain(scenes), setup, BOTH) if scenes else None
+    return fit(_plain(scenes), setup, QUESTIONS) if scenes else None
 
 
 def _askable(scenes: Iterable[SuiteScene], setting: str) -> list[SuiteScene]:

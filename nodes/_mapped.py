@@ -1,0 +1,177 @@
+"""The map of a scene with all else that decides what becomes of it: what a journal can repeat."""
+
+import hashlib
+from collections import OrderedDict
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from sceneq_core.mapping.delta import MapDelta
+from sceneq_core.mapping.mapper import Mapper, MapperParams
+from sceneq_core.mapping.proposals import Proposals
+from sceneq_core.mapping.resumption import resumed, state_of
+from sceneq_core.state import State, StateError
+from sceneq_nodes._corrections import Corrections, correction_of
+from sceneq_nodes._images import frame_from_message
+from sceneq_nodes._journal import Entry
+from sceneq_nodes._order import may_come
+from sceneq_nodes._wire import from_bytes, to_bytes
+from sceneq_schemas.codec import decode
+from sceneq_schemas.correction import PoseCorrection
+from sceneq_schemas.frame import Frame
+from sceneq_schemas.mask import Masks
+from sceneq_schemas.proposal import ProposalSet
+from sceneq_schemas.topics import FRAME, MASK, POSE_CORRECTION, PROPOSAL
+
+KEYFRAME, REFUSED, CORRECTION = "keyframe", "refused", "correction"
+PROPOSED, GIVEN = "proposals", "given proposals"
+MAX_GIVEN_BYTES = 1 << 30
+REMEMBERED_SEQS = 65_536
+
+
+class Mapped:
+    """A ``Mapper``, the frames it was given, and the corrections that wait for theirs.
+
+    Attributes:
+        mapper: the map; change it only through the methods here.
+        newest: seq and stamp of the last frame in the map, (-1, 0) before the first.
+    """
+
+    def __init__(self, params: MapperParams) -> None:
+        self.mapper = Mapper(params)
+        self.newest = (-1, 0)
+        self._given = b""
+        self._corrections = Corrections()
+        self._done: OrderedDict[int, int] = OrderedDict()
+
+    def stamp_of(self, seq: int) -> int | None:
+        """Return the stamp of a frame that came before, ``None`` when it did not."""
+        return self._done.get(seq)
+
+    def may_come(self, frame: Frame) -> bool:
+        """Tell whether the frame that ``frame`` is to come after has come."""
+        return may_come(frame, self._done, next(iter(self._done), None))
+
+    def integrate(self, frame: Frame, masks: Masks) -> MapDelta:
+        """Add a keyframe at its newest pose; what is ``due`` by it has been applied.
+
+        Raises:
+            ValueError: it does not decode or fit; it counts as one that came, nothing else changed.
+        """
+        self.refuse(frame.seq, frame.stamp_ns)
+        corrected = self._corrections.corrected(frame)
+        delta = self.mapper.integrate(frame_from_message(corrected), masks.label_image)
+        self.newest = (frame.seq, frame.stamp_ns)
+        return delta
+
+    def refuse(self, seq: int, stamp_ns: int) -> None:
+        """Remember a frame that came."""
+        self._done[seq] = stamp_ns
+        if len(self._done) > REMEMBERED_SEQS:
+            self._done.popitem(last=False)
+
+    def offer(self, correction: PoseCorrection) -> bool:
+        """Keep a correction until it is due; tell whether there was room for it."""
+        return self._corrections.offer(correction)
+
+    def due(self, frame_seq: int) -> Iterator[tuple[PoseCorrection, MapDelta | ValueError]]:
+        """Apply the corrections that hold from ``frame_seq`` on, or from earlier; yield them all
+        with the map that comes of each, or why it does not fit.
+        """
+        for correction in self._corrections.due(frame_seq):
+            try:
+                outcome: MapDelta | ValueError = self.mapper.correct(correction_of(correction))
+            except ValueError as error:
+                outcome = error
+            yield correction, outcome
+
+    def propose(self, message: ProposalSet) -> None:
+        """Take external masks; raise ``ValueError`` when they do not fit."""
+        self.mapper.propose(
+            Proposals(
+                message.points_world,
+                message.mask_id,
+                message.point_id,
+                message.score,
+                message.label,
+            )
+        )
+
+    def give(self, data: bytes) -> bool:
+        """Take the masks that the graph itself names, a ``ProposalSet`` as bytes.
+
+        Returns false, and does nothing, when they were the last ones given.
+        """
+        digest = hashlib.sha256(data).digest()
+        if digest == self._given:
+            return False
+        self._given = digest
+        self.propose(decode(ProposalSet, data, MAX_GIVEN_BYTES))
+        return True
+
+    def repeat(self, entry: Entry) -> None:
+        """Do again what ``entry`` of the journal tells of.
+
+        Raises:
+            ValueError: no entry of ours.
+        """
+        if entry.kind == KEYFRAME:
+            frame, masks = from_bytes(FRAME, entry.first), from_bytes(MASK, entry.second)
+            self._apply_due(frame.seq)
+            self.integrate(frame, masks)
+        elif entry.kind == REFUSED:
+            seq, stamp_ns = np.frombuffer(entry.first, "<i8").tolist()
+            self._apply_due(seq)
+            self.refuse(seq, stamp_ns)
+        elif entry.kind == CORRECTION:
+            self.offer(from_bytes(POSE_CORRECTION, entry.first))
+            self._apply_due(self.newest[0])
+        elif entry.kind == PROPOSED:
+            self.propose(from_bytes(PROPOSAL, entry.first))
+        elif entry.kind == GIVEN:
+            self.give(entry.first)
+        else:
+            raise ValueError(f"entry {entry.position} is of an unknown kind {entry.kind!r:.40}")
+
+    def state(self, **beside: Any) -> State:
+        """Return a copy of everything, and what the caller wants to find beside it."""
+        waiting, poses = self._corrections.parts()
+        return state_of(
+            self.mapper,
+            {
+                "caller": beside,
+                "newest": self.newest,
+                "done": np.array(list(self._done.items()), np.int64).reshape(-1, 2),
+                "corrections": [to_bytes(POSE_CORRECTION, message) for message in waiting],
+                "poses": poses,
+                "given": self._given,
+            },
+        )
+
+    def resume(self, state: State) -> dict[str, Any]:
+        """Become what ``state`` was taken of; return what lay beside.
+
+        Raises:
+            StateError: another version's, or a map with other parameters; nothing has changed.
+        """
+        mapper, kept = resumed(state, self.mapper.params)
+        try:
+            waiting = [from_bytes(POSE_CORRECTION, data) for data in kept["corrections"]]
+            beside: dict[str, Any] = kept["caller"]
+            self.newest, self._given = kept["newest"], kept["given"]
+            poses, done = kept["poses"], kept["done"].tolist()
+        except (KeyError, ValueError) as error:
+            raise StateError(f"no state of a mapping node: {error}") from error
+        self.mapper, self._done = mapper, OrderedDict(done)
+        self._corrections = Corrections(waiting, poses)
+        return beside
+
+    def _apply_due(self, frame_seq: int) -> None:
+        for _ in self.due(frame_seq):
+            pass
+
+
+def refused_bytes(seq: int, stamp_ns: int) -> bytes:
+    """Return what the journal keeps of a refused frame."""
+    return np.array([seq, stamp_ns], "<i8").tobytes()

@@ -1,0 +1,15 @@
+"""Keyframes in the order in which they were sent, also when one has to be sent again."""
+
+from collections.abc import Container
+
+from sceneq_schemas.frame import Frame
+
+
+def may_come(frame: Frame, taken: Container[int], oldest: int | None) -> bool:
+    """Tell whether ``frame`` may be taken in now: nothing it is to come after is still missing.
+
+    ``taken`` are the seqs taken in and ``oldest`` the first of them, ``None`` = nothing yet. What
+    is older than that was before this reader's time and does not come any more.
+    """
+    before = frame.after
+    return before < 0 or oldest is None or before < oldest or before in taken

@@ -1,0 +1,47 @@
+"""Durable files that cannot be used: damaged ones are put aside, newer ones left alone."""
+
+import itertools
+import logging
+from pathlib import Path
+
+log = logging.getLogger(__name__)
+
+SUFFIX = ".corrupt"
+COMPANIONS = ("-wal", "-shm")
+"""What SQLite keeps beside a database."""
+
+
+class StoreError(Exception):
+    """Why durable files cannot be used; nothing on disk has been changed."""
+
+
+class NewerSchemaError(StoreError):
+    """Written by a later version of this program."""
+
+    def __init__(self, path: Path, found: int, known: int) -> None:
+        super().__init__(f"{path}: schema {found}, this version knows {known} at most")
+
+
+class DamageError(Exception):
+    """A file that is torn or changed: what is wrong with it, without its name."""
+
+
+def set_aside(path: Path, reason: str) -> Path:
+    """Rename a damaged file, and what belongs to it, out of the way; return its new name.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    kept = _free_name(path)
+    log.error("%s: %s; set aside as %s", path, reason, kept.name)
+    path.rename(kept)
+    for companion in COMPANIONS:
+        beside = path.with_name(path.name + companion)
+        if beside.exists():
+            beside.rename(kept.with_name(kept.name + companion))
+    return kept
+
+
+def _free_name(path: Path) -> Path:
+    names = (f"{path.name}{SUFFIX}{number or ''}" for number in itertools.count())
+    return next(p for name in names if not (p := path.with_name(name)).exists())

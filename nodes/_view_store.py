@@ -1,0 +1,142 @@
+"""Keeps on disk what views has seen: keyframes with their pictures, and what was chosen of them."""
+
+import logging
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sceneq_core.arrays import Int32
+from sceneq_core.state import StateError, build, take_apart
+from sceneq_core.views.keyframe import Keyframe
+from sceneq_core.views.selector import ViewSelector
+from sceneq_nodes._item_store import Change, Item, ItemStore
+from sceneq_nodes._set_aside import DamageError, StoreError
+from sceneq_nodes._state_bytes import packed, unpacked
+
+log = logging.getLogger(__name__)
+
+FILE = "views.sqlite"
+KEYFRAME, PLACES, REST = "keyframe", "places", "rest"
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """What the last run left: keyframes by seq, the places' coordinates, and the rest."""
+
+    keyframes: Mapping[int, Keyframe]
+    place_coords: Int32
+    selector: Mapping[str, Any]
+    beside: dict[str, Any] = field(default_factory=dict)
+
+
+class ViewStore:
+    """The durable side of one ``ViewSelector``.
+
+    Raises:
+        StoreError: the file cannot be used; nothing has been changed.
+    """
+
+    def __init__(
+        self,
+        scene_folder: Path,
+        selector: ViewSelector,
+        beside: Callable[[], dict[str, Any]],
+        count: Callable[[str], None],
+    ) -> None:
+        self._selector = selector
+        self._beside = beside
+        self._stored: dict[int, Keyframe] = {}
+        self._places = 0
+        self._items = ItemStore(scene_folder / FILE, self._everything, count)
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether the disk failed, and what is on it is old."""
+        return self._items.is_behind
+
+    def resume(self) -> dict[str, Any]:
+        """Bring the selector to where the last run ended; return what lay beside, {} if nothing."""
+        try:
+            kept = self._read()
+        except (DamageError, StateError, KeyError, ValueError) as error:
+            self._items.start_anew(str(error))
+            return {}
+        if kept is None:
+            return {}
+        self._selector.resume(kept.keyframes, kept.place_coords, kept.selector)
+        self._stored = {k.seq: k for k in self._selector.archive}
+        self._places = len(kept.place_coords)
+        return kept.beside
+
+    def keep(self) -> None:
+        """Commit what has changed since the last call, before anybody is told."""
+        archive = self._selector.archive
+        new = [k for k in archive if self._stored.get(k.seq) is not k]
+        gone = tuple((KEYFRAME, seq) for seq in self._stored if seq not in archive)
+        put = (*map(_keyframe_item, new), *self._new_places(), self._rest())
+        self._items.commit(Change(put, gone))
+        self._stored = {keyframe.seq: keyframe for keyframe in archive}
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._items.close()
+
+    def _everything(self) -> Iterator[Item]:
+        yield from map(_keyframe_item, self._selector.archive)
+        yield Item(PLACES, 0, _array_bytes(self._selector.places.coords(0)))
+        yield self._rest()
+
+    def _new_places(self) -> Iterator[Item]:
+        first, self._places = self._places, len(self._selector.places)
+        if self._places > first:
+            coords = self._selector.places.coords(first)
+            yield Item(PLACES, first, _array_bytes(coords))
+
+    def _rest(self) -> Item:
+        state = take_apart({"selector": self._selector.parts(), "beside": self._beside()})
+        return Item(REST, 0, packed(state))
+
+    def _read(self) -> Kept | None:
+        items = {(item.kind, item.number): item.data for item in self._items.items()}
+        if not items:
+            return None
+        rest = build(unpacked(items[REST, 0]))
+        coords = [np.zeros((0, 3), np.int32)]
+        for _, first in sorted(key for key in items if key[0] == PLACES):
+            if first != sum(map(len, coords)):
+                raise DamageError(f"places from {sum(map(len, coords))} are missing")
+            coords.append(build(unpacked(items[PLACES, first])))
+        keyframes = {n: build(unpacked(d)) for (kind, n), d in items.items() if kind == KEYFRAME}
+        return Kept(keyframes, np.concatenate(coords), rest["selector"], rest["beside"])
+
+
+def open_view_store(
+    scene_folder: Path | None,
+    selector: ViewSelector,
+    beside: Callable[[], dict[str, Any]],
+    count: Callable[[str], None],
+) -> ViewStore | None:
+    """Return the store of ``scene_folder``, ``None`` without one or where it cannot be used.
+
+    ``beside`` returns what else is to come back, plain values and arrays. A store that cannot be
+    used is counted (``store_failed``), told, and left alone.
+    """
+    if scene_folder is None:
+        return None
+    try:
+        return ViewStore(scene_folder, selector, beside, count)
+    except StoreError as error:
+        count("store_failed")
+        log.error("%s; views are kept in memory only", error)
+        return None
+
+
+def _keyframe_item(keyframe: Keyframe) -> Item:
+    return Item(KEYFRAME, keyframe.seq, packed(take_apart(keyframe)))
+
+
+def _array_bytes(array: Int32) -> bytes:
+    return packed(take_apart(array))

@@ -1,0 +1,79 @@
+"""How many there are, and which: every instance judged by itself, not against the others."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from sceneq_core.arrays import Int64
+from sceneq_core.reasoning.geometric import GeometricParams, GeometricReasoner
+from sceneq_core.routing.answer import Match
+from sceneq_core.routing.candidates import pose_problem
+from sceneq_core.routing.likelihood import Fit, Likelihood
+from sceneq_core.routing.matches import MAX_MATCHES
+from sceneq_core.routing.named_fit import with_name_each
+from sceneq_core.routing.question import Question
+from sceneq_core.routing.scene import SceneSnapshot
+
+POSSIBLE = 0.1
+"""Below this probability an instance is not even possibly one of those asked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tally:
+    """What is asked for: ``sure`` with at least the probability of a claim, else ``possible``.
+
+    The ``p`` of a match is the probability that it is one of them, most probable first;
+    ``expected`` is the sum of all: the mean of their number, if they were independent.
+    """
+
+    sure: tuple[Match, ...]
+    possible: tuple[Match, ...]
+    expected: float
+
+    @property
+    def matches(self) -> tuple[Match, ...]:
+        """All of them, the most probable first."""
+        return (*self.sure, *self.possible)
+
+
+NOTHING = Tally((), (), 0.0)
+
+
+class Counter:
+    """Counts instances by what the encoder says of each and by the geometry of the map."""
+
+    def __init__(self, likelihood: Likelihood, min_claim: float) -> None:
+        self._likelihood = likelihood
+        self._min_claim = min_claim
+        self._geometry = GeometricReasoner(GeometricParams())
+
+    def count(self, snapshot: SceneSnapshot, question: Question, fits: Mapping[str, Fit]) -> Tally:
+        """Return those among the ``MAX_MATCHES`` likeliest that fit words and relations."""
+        target = fits[question.phrase.target]
+        rows, holds = self._holding(snapshot, question, fits)
+        p = self._likelihood.each(snapshot, question.wanted[question.phrase.target], rows)
+        given = snapshot.names.meant(question.phrase.target, question.text)
+        p = with_name_each(p, rows, given) if given else p
+        p = p * [holds.get(snapshot.instances[row].instance_id, 1.0) for row in rows]
+        order = np.argsort(-p, kind="stable")
+        found = [
+            Match(snapshot.instances[rows[i]], float(p[i]), float(target.cosine[rows[i]]))
+            for i in order
+            if p[i] >= POSSIBLE
+        ]
+        sure = tuple(one for one in found if one.p >= self._min_claim)
+        return Tally(sure, tuple(found[len(sure) :]), float(sum(one.p for one in found)))
+
+    def _holding(
+        self, snapshot: SceneSnapshot, question: Question, fits: Mapping[str, Fit]
+    ) -> tuple[Int64, dict[int, float]]:
+        """Return the rows to look at, and how well all relations hold for them by id."""
+        rows = fits[question.phrase.target].order[:MAX_MATCHES]
+        if not question.phrase.constraints:
+            return rows, {}
+        problem = pose_problem(snapshot, question, fits, MAX_MATCHES)
+        holds = self._geometry.holds(problem)
+        found = [snapshot.find(instance_id) for instance_id in holds]
+        rows = np.array([row for row in found if row is not None], np.int64)
+        return rows, holds

@@ -1,0 +1,1 @@
+"""Who may join the bus, and what each may do there."""
