@@ -27,7 +27,7 @@ from sceneq_nodes._queries import (
     format_parameters,
     parse_parameters,
 )
-from sceneq_nodes._session import session_config
+from sceneq_nodes._session import client_config, router_config
 from sceneq_nodes._wire import from_bytes, to_bytes
 from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.topics import LIVE, Delivery, Topic
@@ -266,44 +266,24 @@ def live_nodes(session: zenoh.Session) -> list[dict[str, str]]:
 def open_session(
     endpoint: str, timeout_s: float | None = None, credentials: Credentials | None = None
 ) -> zenoh.Session:
-    """Return a client session of the router at ``endpoint``.
+    """Return a client session; without ``credentials``, those in the environment are shown.
 
-    ``credentials``: those in the environment when not given.
-
-    Raises:
-        ConnectionError: no router answers within ``timeout_s`` (``None`` = wait for ever).
-        ValueError: the credentials cannot be used.
+    Raises ``ConnectionError`` when no router answers within ``timeout_s`` (``None`` = wait for
+    ever), ``ValueError`` for unusable credentials.
     """
-    connect = {
-        "endpoints": [endpoint],
-        "timeout_ms": -1 if timeout_s is None else int(1000 * timeout_s),
-        "exit_on_failure": timeout_s is not None,
-        "retry": {"period_init_ms": 100, "period_max_ms": 300},
-    }
-    try:
-        return _open("client", credentials or given_credentials(), connect=connect)
-    except zenoh.ZError as error:
-        raise ConnectionError(f"no router at {endpoint}: start one with 'sceneq up'") from error
+    config = client_config(endpoint, timeout_s, credentials or given_credentials())
+    return _open(config, f"no router at {endpoint}: start one with 'sceneq up'")
 
 
 def open_router(
     listen: Sequence[str], connect: Sequence[str], credentials: Credentials | None = None
 ) -> zenoh.Session:
-    """Return a router session; with ``credentials`` it enforces their access rules.
+    """Return a router session, which enforces the access rules among its ``credentials``.
 
-    Raises:
-        ConnectionError: it cannot listen.
-        ValueError: the credentials cannot be used.
+    Raises ``ConnectionError`` when it cannot listen, ``ValueError`` for unusable credentials.
     """
-    join = {"endpoints": list(connect), "timeout_ms": 0, "exit_on_failure": False}
-    entries = {"listen": {"endpoints": list(listen)}, "connect": join}
-    if credentials is not None:
-        entries["access_control"] = credentials.access()
-    try:
-        return _open("router", credentials, **entries)
-    except zenoh.ZError as error:
-        reason = "the port is in use" if "in use" in str(error) else str(error)
-        raise ConnectionError(f"cannot listen on {', '.join(listen)}: {reason}") from error
+    config = router_config(listen, connect, credentials)
+    return _open(config, f"cannot listen on {', '.join(listen)}: {{reason}}")
 
 
 def close(session: zenoh.Session) -> None:
@@ -311,8 +291,10 @@ def close(session: zenoh.Session) -> None:
     session.close()  # type: ignore[no-untyped-call]
 
 
-def _open(mode: str, credentials: Credentials | None, **entries: Any) -> zenoh.Session:
-    # On request only: it writes to stdout, as commands do.
-    zenoh.try_init_log_from_env()  # type: ignore[no-untyped-call]
-    config = session_config(mode, credentials, **entries)
-    return zenoh.open(zenoh.Config.from_json5(json.dumps(config)))
+def _open(config: Mapping[str, Any], trouble: str) -> zenoh.Session:
+    zenoh.try_init_log_from_env()  # type: ignore[no-untyped-call]  # on request: it fills stdout
+    try:
+        return zenoh.open(zenoh.Config.from_json5(json.dumps(config)))
+    except zenoh.ZError as error:
+        reason = "the port is in use" if "in use" in str(error) else str(error)
+        raise ConnectionError(trouble.format(reason=reason)) from error

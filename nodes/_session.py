@@ -1,5 +1,6 @@
 """How Scene-Q configures a Zenoh session, and why."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from sceneq_nodes._credentials import Credentials
@@ -12,10 +13,41 @@ LEASE_MS = 5_000
 QUERY_TIMEOUT_MS = 30_000
 
 
-def session_config(
-    mode: str, credentials: Credentials | None = None, **entries: Any
+def client_config(
+    endpoint: str, timeout_s: float | None, credentials: Credentials | None = None
 ) -> dict[str, Any]:
-    """Return the configuration of a session in ``mode`` (client, router) plus ``entries``.
+    """Return the configuration of a client of the router at ``endpoint``.
+
+    It waits ``timeout_s`` for the router, ``None`` = for ever, and comes back to it when lost.
+    """
+    connect = {
+        "endpoints": [endpoint],
+        "timeout_ms": -1 if timeout_s is None else int(1000 * timeout_s),
+        "exit_on_failure": timeout_s is not None,
+        "retry": {"period_init_ms": 100, "period_max_ms": 300},
+    }
+    return {**_common("client", credentials), "connect": connect}
+
+
+def router_config(
+    listen: Sequence[str], connect: Sequence[str], credentials: Credentials | None = None
+) -> dict[str, Any]:
+    """Return the configuration of a router; it looks for the others it joins all the time.
+
+    Raises:
+        ValueError: the access rules among the credentials cannot be read.
+    """
+    rules = {} if credentials is None else {"access_control": credentials.access()}
+    return {
+        **_common("router", credentials),
+        **rules,
+        "listen": {"endpoints": list(listen)},
+        "connect": {"endpoints": list(connect), "timeout_ms": 0, "exit_on_failure": False},
+    }
+
+
+def _common(mode: str, credentials: Credentials | None) -> dict[str, Any]:
+    """Return what the sessions of both modes have in common.
 
     With ``credentials`` links are mutual TLS, and no others are made.
 
@@ -32,7 +64,6 @@ def session_config(
         "timestamping": {"enabled": True},
         "queries_default_timeout": QUERY_TIMEOUT_MS,
         "transport": {"shared_memory": _SHARED_MEMORY, "link": link},
-        **entries,
     }
 
 

@@ -59,6 +59,7 @@ def test_nodes_read_everything_from_one_json(tmp_path: Path) -> None:
         "store": None,
         "router": {
             "endpoint": "tcp/127.0.0.1:7600",
+            "credentials": None,
             "listen": ["tcp/0.0.0.0:7600"],
             "connect": ["tcp/far:7447"],
         },

@@ -12,7 +12,7 @@ from cryptography.x509.oid import NameOID
 from typer.testing import CliRunner
 
 from sceneq_nodes._credentials import VARIABLE, Credentials, given_credentials
-from sceneq_nodes._session import session_config
+from sceneq_nodes._session import client_config
 from sceneq_schemas.topics import CONTROL, FRAME, MAP_DELTA, MAP_SNAPSHOT, TEACH_SET
 from sceneq_tools.cli import app
 from sceneq_tools.errors import UserError
@@ -93,11 +93,11 @@ def test_credentials_are_found_by_the_environment(tmp_path: Path) -> None:
     assert given_credentials({}) is None
     given = given_credentials({VARIABLE: str(folder)})
     assert given == Credentials(folder)
-    link = session_config("client", given)["transport"]["link"]
+    link = client_config("tls/a:1", 1.0, given)["transport"]["link"]
     assert link["protocols"] == ["tls", "quic"]
     assert link["tls"]["enable_mtls"] is True
     assert link["tls"]["connect_private_key"] == str(folder / "key.pem")
-    assert "tls" not in session_config("client")["transport"]["link"]
+    assert "tls" not in client_config("tcp/a:1", 1.0)["transport"]["link"]
     with pytest.raises(ValueError, match=r"nowhere/ca\.pem: no such file"):
         given_credentials({VARIABLE: "nowhere"})
 
