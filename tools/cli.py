@@ -8,7 +8,20 @@ from typing import Annotated
 import typer
 
 COMMANDS = (
-    *("up", "ask", "teach", "forget", "status", "view", "viewer", "check", "map", "export", "demo"),
+    *(
+        "up",
+        "ask",
+        "teach",
+        "forget",
+        "status",
+        "metrics",
+        "view",
+        "viewer",
+        "check",
+        "map",
+        "export",
+        "demo",
+    ),
     *("schema", "doctor", "bench", "synth", "calibrate", "calibrate-names", "train-probe"),
 )
 GROUPS = ("sim", "eval", "secure")

@@ -18,6 +18,9 @@ COLUMNS = (
 
 def run(
     as_json: Annotated[bool, typer.Option("--json", help="As JSON, for programs.")] = False,
+    watched: Annotated[
+        bool, typer.Option("--watch", help="With rates, anew every two seconds until Ctrl-C.")
+    ] = False,
     connect: Endpoint = DEFAULT_ENDPOINT,
 ) -> None:
     """Show nodes and scenes of a running graph; exit code 1 when nothing runs."""
@@ -26,6 +29,10 @@ def run(
     from sceneq_tools.status import node_status
 
     with scenes.connect(connect) as client:
+        if watched:
+            from sceneq_tools.watch import watch
+
+            watch(client)
         told = scenes.scene_status(client)
         nodes = node_status(client)
     if as_json:

@@ -60,6 +60,14 @@ def test_no_frame_is_lost_on_the_way(settled: LiveGraph) -> None:
     assert sum(node["flows"]["undecodable"] for node in nodes.values()) == 0
 
 
+def test_the_same_numbers_are_told_to_prometheus(settled: LiveGraph) -> None:
+    told = settled.sceneq("metrics").stdout
+    assert told.endswith("# EOF\n")
+    for node in NODES:
+        assert f'sceneq_node_up{{kind="{node}",node="{node}"}} 1.0' in told
+    assert 'sceneq_events_total{event="frames_integrated",node="mapping"} 12.0' in told
+
+
 def test_the_live_map_is_the_one_that_sceneq_map_makes(
     settled: LiveGraph, graph: Path, recording: Path, tmp_path: Path
 ) -> None:
