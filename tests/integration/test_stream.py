@@ -5,11 +5,16 @@ import os
 import signal
 import sys
 import tempfile
+from collections import Counter
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
 import pytest
+
+from sceneq_nodes._client import Client
 
 from support.live_graph import LiveGraph, run, write_graph
 from support.recording import write_recording
@@ -18,6 +23,7 @@ from support.room import Room
 pytestmark = pytest.mark.integration
 
 STATUS = "sceneq/query/room/status"
+CLIENTS = 8
 NODES = ("ingest", "segmentation", "mapping", "views", "encoding", "routing", "reasoning")
 
 
@@ -118,6 +124,27 @@ def test_the_command_line_answers_and_explains(settled: LiveGraph) -> None:
     assert np.linalg.norm(np.subtract(answer["instances"][0]["centre"], (-0.35, 0.95, 0.84))) < 0.2
     shown = settled.zenoh_get("sceneq/query/room/instances?q=blue box", decoder="sceneq")[0]
     assert "blue box" in shown
+
+
+def test_many_clients_at_once_all_get_an_answer_or_busy(settled: LiveGraph) -> None:
+    key = "sceneq/query/room/instances?q="
+    things = ("red ball", "blue box", "table", "green box", "something yellow")
+
+    def ask(client: Client, thing: str) -> str:
+        replies, errors = client.get(key + thing, timeout_s=60.0)
+        assert len(replies) + len(errors) == 1
+        return json.loads(replies[0][1].payload)["status"] if replies else errors[0].code
+
+    with ExitStack() as stack, ThreadPoolExecutor(CLIENTS * 10) as pool:
+        clients = [stack.enter_context(Client(settled.endpoint, 10.0)) for _ in range(CLIENTS)]
+        asked = [
+            pool.submit(ask, clients[i % CLIENTS], things[i % len(things)]) for i in range(400)
+        ]
+        said = Counter(one.result(120) for one in asked)
+        assert set(said) <= {"found", "ambiguous", "not_found", "busy"}
+        assert said.total() == 400
+        assert said.total() > said["busy"]
+        assert ask(clients[0], "red ball") != "busy"
 
 
 def test_a_killed_node_comes_back_and_queries_work_again(
