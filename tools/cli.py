@@ -8,23 +8,11 @@ from typing import Annotated
 import typer
 
 COMMANDS = (
-    *(
-        "up",
-        "ask",
-        "teach",
-        "forget",
-        "status",
-        "metrics",
-        "view",
-        "viewer",
-        "check",
-        "map",
-        "export",
-        "demo",
-    ),
-    *("schema", "doctor", "bench", "synth", "calibrate", "calibrate-names", "train-probe"),
+    *("up", "ask", "teach", "forget", "status", "metrics", "trace", "view", "viewer"),
+    *("check", "map", "export", "demo", "schema", "doctor", "bench", "synth"),
+    *("calibrate", "calibrate-names", "train-probe"),
 )
-GROUPS = ("sim", "eval", "secure")
+GROUPS = ("scene", "sim", "eval", "secure")
 USAGE = 2
 INTERRUPTED = 130
 
