@@ -66,7 +66,8 @@ def as_text(heard: Heard) -> str:
     """Return everything as OpenMetrics text."""
     registry = CollectorRegistry()
     registry.register(GraphCollector(heard))
-    return generate_latest(registry).decode()
+    text: bytes = generate_latest(registry)  # type: ignore[no-untyped-call]
+    return text.decode()
 
 
 Nodes = list[tuple[NodeStatus, bool]]
