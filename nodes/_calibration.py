@@ -1,7 +1,7 @@
 """A calibration on disk: temperature, "none of them" and thresholds that fit one encoder.
 
 A JSON object with ``format``, ``encoder`` (the model id it was fitted for), ``temperature``,
-``null`` (scale and bias, or null where the data had nothing absent), ``gate`` (the four
+``null`` (``NullParams``, or null where the data had nothing absent), ``gate`` (the four
 thresholds), ``label_set``, ``sha256`` of the data, and whatever else its writer tells.
 """
 
@@ -12,9 +12,10 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from sceneq_core.arrays import Float32
+from sceneq_core.arrays import Float32, Float64
 from sceneq_core.checks import need_positive
 from sceneq_core.encoding.encoder import Crop, Encoder
+from sceneq_core.encoding.usual_sizes import sized
 from sceneq_core.routing.gate import GateParams
 from sceneq_core.routing.null import NullParams
 from sceneq_core.routing.router import RouterParams
@@ -92,6 +93,10 @@ class Tempered:
         """Return descriptors (N, dim) and features (N, F) of the encoder."""
         return self._encoder.encode_crops(crops)
 
+    def sized(self, descriptor: Float32, shape: Float64) -> Float32:
+        """Return the encoder's descriptor (D,) of a thing that has this shape (4,)."""
+        return sized(self._encoder, descriptor, shape)
+
     def encode_texts(self, texts: Sequence[str]) -> Float32:
         """Return (N, dim), L2-normalised."""
         return self._encoder.encode_texts(texts)
@@ -136,7 +141,7 @@ def _null(document: Mapping[str, Any]) -> NullParams | None:
     if null is None:
         return None
     if not isinstance(null, dict):
-        raise ValueError(f"null: expected scale and bias of 'none of them', got {null!r}")
+        raise ValueError(f"null: expected the numbers of 'none of them', got {null!r}")
     return NullParams(**_numbers(null, NullParams, "null."))
 
 

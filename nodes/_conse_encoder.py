@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from sceneq_core.arrays import Float32
+from sceneq_core.arrays import Float32, Float64
 from sceneq_core.encoding.conse import Conse
 from sceneq_core.encoding.encoder import Crop
 from sceneq_core.encoding.prior import indoor_prior
@@ -45,17 +45,16 @@ class ConseEncoder:
     def __init__(self, params: ConseParams) -> None:
         """Read the probe; raise ``ValueError`` naming its file when that cannot be used."""
         taught = read_probe(Path(params.probe) if params.probe else HOUSEHOLD)
-        self._taught_vectors = taught.name_vectors
         self._conse = Conse(
             classify=self._run_classifier,
             embed=lambda text: self._sentence.embed(text),
-            name_vectors=lambda: self._name_vectors,
+            class_vectors=lambda: self._class_vectors,
             prior=indoor_prior(),
-            probe=taught.probe,
+            lessons=taught.lessons,
             side_px=SIDE_PX,
             text_cache=params.text_cache,
         )
-        self.model_id = f"conse-lite2-minilm-v2-{taught.digest}"
+        self.model_id = f"conse-lite2-minilm-v3-{taught.digest}"
         self.dim = self._conse.dim
         self.temperature = 0.033
         # Of its most confident quarter of names 40 to 50 % are right (real, blurred kitchen).
@@ -70,6 +69,10 @@ class ConseEncoder:
     def encode_texts(self, texts: Sequence[str]) -> Float32:
         """Return (N, dim), L2-normalised."""
         return self._conse.encode_texts(texts)
+
+    def sized(self, descriptor: Float32, shape: Float64) -> Float32:
+        """Return the descriptor (D,) of a thing that has this shape (4,), length 1."""
+        return self._conse.sized(descriptor, shape)
 
     def _run_classifier(self, image: Float32) -> tuple[Float32, Float32]:
         logits, feature = self._classifier.run([LOGITS, FEATURE], {INPUT: image})
@@ -95,6 +98,6 @@ class ConseEncoder:
         return np.stack([self._sentence.embed(text) for text in texts])
 
     @cached_property
-    def _name_vectors(self) -> Float32:
-        classes: Float32 = np.load(self._assets.class_vectors, allow_pickle=False)
-        return np.concatenate([classes, self._taught_vectors])
+    def _class_vectors(self) -> Float32:
+        vectors: Float32 = np.load(self._assets.class_vectors, allow_pickle=False)
+        return vectors

@@ -1,11 +1,12 @@
 """Questions in all their forms, from the words to the JSON of the answer."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 
 from sceneq_core.routing.answer import FOUND, Answer
 from sceneq_core.routing.forms import COUNT, EXISTS, FIND, WHAT, WHEN, WHERE, Form, read_form
+from sceneq_core.routing.likelihood import Fit
 from sceneq_core.routing.matches import MAX_MATCHES
 from sceneq_core.routing.question import Question
 from sceneq_core.routing.recall import with_past
@@ -22,7 +23,9 @@ from sceneq_nodes._stopwatch import Stopwatch
 REMEMBERED = 512
 """So many questions are remembered as read: people and robots ask the same things again."""
 
-Answering = Callable[[SceneSnapshot, Question], Answer]
+Fits = Mapping[str, Fit]
+Answering = Callable[[SceneSnapshot, Question], tuple[Answer, Fits]]
+"""How well every thing that a question speaks of fits the instances comes with the answer."""
 
 _form = lru_cache(maxsize=REMEMBERED)(read_form)
 
@@ -65,15 +68,16 @@ class Conversation:
     def _report(
         self, form: Form, snapshot: SceneSnapshot, question: Question, answering: Answering
     ) -> Report:
-        answer = answering(snapshot, question)
-        report = self._router.reporter.report(form.kind, snapshot, question, answer)
+        answer, fits = answering(snapshot, question)
+        report = self._router.reporter.report(form.kind, snapshot, question, answer, fits)
         if form.kind not in (FIND, WHERE, EXISTS) or answer.status == FOUND or not snapshot.past:
             return report
-        once = self._at_once(with_past(snapshot, self._router.labeller), question)
+        once, _ = self._at_once(with_past(snapshot, self._router.labeller), question)
         return replace(report, gone=gone_match(once))
 
-    def _at_once(self, snapshot: SceneSnapshot, question: Question) -> Answer:
-        return self._router.answer(snapshot, question).answer
+    def _at_once(self, snapshot: SceneSnapshot, question: Question) -> tuple[Answer, Fits]:
+        routed = self._router.answer(snapshot, question)
+        return routed.answer, routed.fits
 
     def _body(self, reports: list[Report], ask: Ask, look: Look, watch: Stopwatch) -> Json:
         k, stamp = min(ask.k or DEFAULT_K, MAX_MATCHES), look.stamp(self._scene, watch)

@@ -63,6 +63,14 @@ def damage_named() -> Iterator[None]:
         raise (DamageError if damaged else StoreError)(str(error)) from error
 
 
+def check_pages(connection: sqlite3.Connection) -> None:
+    """Read every page; raise ``DamageError`` with the first thing that is wrong."""
+    with damage_named():
+        said = connection.execute("PRAGMA integrity_check(1)").fetchone()[0]
+    if said != "ok":
+        raise DamageError(str(said))
+
+
 def used_bytes(connection: sqlite3.Connection) -> int:
     """Return how much of the file holds something."""
     pages, free, size = (

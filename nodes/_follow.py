@@ -41,16 +41,20 @@ class Follower:
         apply: Callable[[Any], None],
         *,
         clock: Callable[[], float] = time.monotonic,
-        epoch: int | None = None,
+        journal_topic: Topic | None = None,
+        have: tuple[int, int] | None = None,
         **ids: str,
     ) -> None:
-        """``epoch`` is that of the state at hand from an earlier run, if there is any."""
-        self.epoch = epoch
-        self.seq = 0
+        """``journal_topic`` heals gaps without skipping what lies between; ``have`` are epoch and
+        seq of the state at hand from an earlier run, (0, 0) = follow from the very beginning.
+        """
+        self.epoch: int | None = have[0] if have else None
+        self.seq = have[1] if have else 0
         self.resyncs = 0
         self._bus = bus
         self._delta_topic = delta_topic
         self._snapshot_topic = snapshot_topic
+        self._journal_topic = journal_topic
         self._apply = apply
         self._clock = clock
         self._ids: dict[str, Any] = ids
@@ -104,7 +108,11 @@ class Follower:
         """Fetch the snapshot and replay what arrived since; at most once per ``RETRY_S``."""
         if self._clock() < self._next_ask:
             return
-        snapshot = self._fetch()
+        if self._read_journal():
+            self._next_ask = self._clock() + RETRY_S
+            self._replay()
+            return
+        snapshot = self._fetch(self._snapshot_topic)
         self._next_ask = self._clock() + RETRY_S
         if snapshot is not None:
             self._accept(replace(snapshot, full=True))
@@ -119,13 +127,25 @@ class Follower:
                 self._pending.append(delta)
         self._behind = bool(self._pending)
 
-    def _fetch(self) -> Any:
+    def _read_journal(self) -> bool:
+        """Apply what was missed, one by one; tell whether the writer still knew all of it."""
+        if self._journal_topic is None or self.epoch is None:
+            return False
+        missed = self._fetch(self._journal_topic, epoch=str(self.epoch), after=str(self.seq))
+        if missed is None or self.epoch not in (0, missed.epoch):
+            return False
+        for delta in missed.deltas:
+            self._apply(delta)
+        self.epoch, self.seq = missed.epoch, missed.seq
+        return True
+
+    def _fetch(self, topic: Topic, **parameters: str) -> Any:
         try:
-            replies = self._bus.ask(self._snapshot_topic, timeout_s=TIMEOUT_S, **self._ids)
-            found = [from_bytes(self._snapshot_topic, reply.payload) for reply in replies]
+            replies = self._bus.ask(topic, parameters=parameters, timeout_s=TIMEOUT_S, **self._ids)
+            found = [from_bytes(topic, reply.payload) for reply in replies]
         except (QueryError, DecodeError) as error:
-            self._bus.count(f"{self._snapshot_topic.name}_failed")
-            log.warning("%s: no snapshot: %s", self._snapshot_topic.name, error)
+            self._bus.count(f"{topic.name}_failed")
+            log.warning("%s: no answer: %s", topic.name, error)
             return None
         return max(found, key=lambda message: (message.epoch, message.seq), default=None)
 

@@ -20,7 +20,7 @@ from sceneq_nodes._answer_json import Json
 from sceneq_nodes._ask import Ask, left_s, read_ask, reply
 from sceneq_nodes._bus import Reply, Request
 from sceneq_nodes._chooser import Chooser, GateOnly
-from sceneq_nodes._conversation import Answering, Conversation
+from sceneq_nodes._conversation import Answering, Conversation, Fits
 from sceneq_nodes._last_answers import LastAnswers
 from sceneq_nodes._look import Look
 from sceneq_nodes._naming import NamingDesk, nobody, nobody_listens
@@ -95,14 +95,16 @@ class FrontDoor:
         body = {"scene": self._scene, "answers": self._last.newest(ask.k)}
         return reply(body, "last", ask.fmt)
 
-    def _at_once(self, watch: Stopwatch, snapshot: SceneSnapshot, question: Question) -> Answer:
-        answer = self._router.answer(snapshot, question).answer
+    def _at_once(
+        self, watch: Stopwatch, snapshot: SceneSnapshot, question: Question
+    ) -> tuple[Answer, Fits]:
+        routed = self._router.answer(snapshot, question)
         watch.lap("search")
-        return answer
+        return routed.answer, routed.fits
 
     def _selectively(
         self, ask: Ask, watch: Stopwatch, snapshot: SceneSnapshot, question: Question
-    ) -> Answer:
+    ) -> tuple[Answer, Fits]:
         """Let the reasoner decide what the encoder cannot."""
         routed = self._router.answer(snapshot, question)
         watch.lap("search")
@@ -115,7 +117,7 @@ class FrontDoor:
             watch.lap("reason")
         elif decision.why_not:
             answer = replace(answer, reason=f"{answer.reason}; {decision.why_not}")
-        return answer
+        return answer, routed.fits
 
     def _decide(self, ask: Ask, case: Case) -> Decision:
         """What the question itself says goes before the policy."""

@@ -82,10 +82,9 @@ class ItemStore:
             DamageError: the file as a whole is damaged.
         """
         with damage_named():
-            for kind, number, data, crc in self._db.execute(
-                "SELECT * FROM item ORDER BY kind, number"
-            ):
-                if isinstance(data, bytes) and crc == _crc(kind, number, data):
+            rows = self._db.execute("SELECT * FROM item ORDER BY kind, number")
+            for kind, number, data, crc in rows:
+                if _is_whole(kind, number, data, crc):
                     yield Item(kind, number, data)
                 else:
                     self._count("store_damaged")
@@ -140,6 +139,17 @@ class ItemStore:
         if not self._is_behind:
             log.error("%s: %s; the node goes on in memory only", self.path, error)
         self._is_behind, self._again_s = True, time.monotonic() + AGAIN_S
+
+
+def damaged_items(connection: sqlite3.Connection) -> list[str]:
+    """Return the items whose checksum is wrong."""
+    with damage_named():
+        rows = connection.execute("SELECT * FROM item ORDER BY kind, number")
+        return [f"{row[0]} {row[1]}" for row in rows if not _is_whole(*row)]
+
+
+def _is_whole(kind: str, number: int, data: object, crc: int) -> bool:
+    return isinstance(data, bytes) and crc == _crc(kind, number, data)
 
 
 def _crc(kind: str, number: int, data: bytes) -> int:

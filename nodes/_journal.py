@@ -12,13 +12,13 @@ from pathlib import Path
 
 import zstandard
 
-from sceneq_nodes._database import damage_named, open_database, used_bytes
+from sceneq_nodes._database import check_pages, damage_named, open_database, used_bytes
 from sceneq_nodes._set_aside import DamageError, StoreError
 
 SCHEMA = 1
 TABLES = """
 CREATE TABLE entry (position INTEGER PRIMARY KEY, kind TEXT NOT NULL, first BLOB NOT NULL,
-                    second BLOB NOT NULL, crc INTEGER NOT NULL);
+                    second BLOB NOT NULL, told INTEGER NOT NULL, crc INTEGER NOT NULL);
 CREATE TABLE note (name TEXT PRIMARY KEY, value INTEGER NOT NULL)
 """
 LEVEL = 1
@@ -30,12 +30,16 @@ DROPPED_AT_ONCE = 4
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One thing that entered the map: its place in the order and the messages as bytes."""
+    """One thing that entered the map: its place in the order and the messages as bytes.
+
+    ``told`` is the number of the last delta before those that came of it.
+    """
 
     position: int
     kind: str
     first: bytes
     second: bytes = b""
+    told: int = 0
 
 
 class Journal:
@@ -54,11 +58,8 @@ class Journal:
     def append(self, entry: Entry) -> None:
         """Commit an entry."""
         first, second = self._zip.compress(entry.first), self._zip.compress(entry.second)
-        crc = _crc(entry.position, entry.kind, first, second)
-        self._write(
-            "INSERT INTO entry VALUES (?, ?, ?, ?, ?)",
-            (entry.position, entry.kind, first, second, crc),
-        )
+        row = (entry.position, entry.kind, first, second, entry.told)
+        self._write("INSERT INTO entry VALUES (?, ?, ?, ?, ?, ?)", (*row, _crc(*row)))
 
     def entries(self, after: int) -> Iterator[Entry]:
         """Yield the entries behind position ``after``, one after the other without a gap.
@@ -104,18 +105,24 @@ class Journal:
         """Keep a number under ``name``."""
         self._write("INSERT OR REPLACE INTO note VALUES (?, ?)", (name, value))
 
+    def check_pages(self) -> None:
+        """Read the whole file; raise ``DamageError`` with the first thing that is wrong."""
+        check_pages(self._db)
+
     def close(self) -> None:
         """Let go of the file."""
         self._db.close()
 
-    def _checked(self, position: int, kind: str, first: bytes, second: bytes, crc: int) -> Entry:
+    def _checked(
+        self, position: int, kind: str, first: bytes, second: bytes, told: int, crc: int
+    ) -> Entry:
         try:
-            if crc != _crc(position, kind, first, second):
+            if crc != _crc(position, kind, first, second, told):
                 raise DamageError(f"entry {position}: wrong checksum")
-            parts = [self._unzip.decompress(part, MAX_PART_BYTES) for part in (first, second)]
+            one, other = (self._unzip.decompress(part, MAX_PART_BYTES) for part in (first, second))
         except (zstandard.ZstdError, TypeError, AttributeError) as error:
             raise DamageError(f"entry {position}: {error}") from error
-        return Entry(position, kind, *parts)
+        return Entry(position, kind, one, other, told)
 
     def _write(self, statement: str, values: tuple[object, ...]) -> None:
         try:
@@ -124,5 +131,6 @@ class Journal:
             raise StoreError(f"{self.path}: {error}") from error
 
 
-def _crc(position: int, kind: str, first: bytes, second: bytes) -> int:
-    return zlib.crc32(second, zlib.crc32(first, zlib.crc32(f"{position}:{kind}".encode())))
+def _crc(position: int, kind: str, first: bytes, second: bytes, told: int) -> int:
+    head = f"{position}:{kind}:{told}".encode()
+    return zlib.crc32(second, zlib.crc32(first, zlib.crc32(head)))

@@ -30,8 +30,10 @@ class Keyframes:
         self._skipped = 0
         self._lock = Lock()
 
-    def image(self, view: View) -> UInt8 | None:
+    def image(self, view: View, *, counted: bool = True) -> UInt8 | None:
         """Return the keyframe of ``view``, uint8 (H, W, 3), or ``None`` when it is gone for good.
+
+        ``counted``: that it is gone or damaged is somebody's loss, and counts as one.
 
         Raises:
             UnreachableError: the archive does not answer.
@@ -39,7 +41,7 @@ class Keyframes:
         key = (view.seq, view.stamp_ns)
         with self._lock:
             if key not in self._images:
-                rgb = self._fetch(view.seq)
+                rgb = self._fetch(view.seq, counted)
                 if rgb is None:
                     return None
                 self._images[key] = rgb
@@ -48,15 +50,15 @@ class Keyframes:
                 self._images.popitem(last=False)
             return self._images[key]
 
-    def _fetch(self, seq: int) -> UInt8 | None:
+    def _fetch(self, seq: int, counted: bool) -> UInt8 | None:
         try:
             return rgb_from_jpeg(self._ask(seq).payload)
         except QueryError as error:
             if error.code != "not_found":
                 raise UnreachableError(str(error)) from error
-            self._skip("images_gone", seq, error)
+            self._skip("images_gone" if counted else "", seq, error)
         except ValueError as error:
-            self._skip("images_bad", seq, error)
+            self._skip("images_bad" if counted else "", seq, error)
         return None
 
     def _ask(self, seq: int) -> Reply:
@@ -69,6 +71,8 @@ class Keyframes:
 
     def _skip(self, counter: str, seq: int, error: Exception) -> None:
         """Count, and log the 1st, 2nd, 4th, 8th, ...: a restart of the archive skips many."""
+        if not counter:
+            return
         self._bus.count(counter)
         self._skipped += 1
         if self._skipped & (self._skipped - 1) == 0:

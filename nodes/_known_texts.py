@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from sceneq_core.arrays import Float32
+from sceneq_core.arrays import Float32, Float64
 from sceneq_core.encoding.encoder import Crop, Encoder
+from sceneq_core.encoding.usual_sizes import sized
 from sceneq_nodes._cache import cache_path, write_whole
 
 log = logging.getLogger(__name__)
@@ -34,6 +35,10 @@ class KnownTexts:
     def encode_crops(self, crops: Sequence[Crop]) -> tuple[Float32, Float32]:
         """Return descriptors (N, dim) and features (N, F) of the encoder."""
         return self._encoder.encode_crops(crops)
+
+    def sized(self, descriptor: Float32, shape: Float64) -> Float32:
+        """Return the encoder's descriptor (D,) of a thing that has this shape (4,)."""
+        return sized(self._encoder, descriptor, shape)
 
     def encode_texts(self, texts: Sequence[str]) -> Float32:
         """Return (N, dim), L2-normalised."""

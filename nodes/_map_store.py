@@ -7,10 +7,10 @@ entries done again. What fails on the disk costs the map's durability, never the
 import logging
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from sceneq_core.mapping.delta import MapDelta
 from sceneq_core.state import StateError
 from sceneq_nodes._checkpoint_writer import CheckpointWriter
 from sceneq_nodes._checkpoints import Checkpoint, Checkpoints, read
@@ -20,6 +20,7 @@ from sceneq_nodes._folder_lock import FolderLock
 from sceneq_nodes._journal import SCHEMA, Entry, Journal
 from sceneq_nodes._mapped import Mapped
 from sceneq_nodes._set_aside import DamageError, NewerSchemaError, StoreError, set_aside
+from sceneq_nodes._store_params import StoreParams
 from sceneq_schemas.codec import encode
 
 log = logging.getLogger(__name__)
@@ -28,44 +29,19 @@ FOLDER, JOURNAL = "map", "journal.sqlite"
 EPOCH, RUN = "epoch", "run"
 
 
-@dataclass(frozen=True, slots=True)
-class StoreParams:
-    """What durability may cost.
-
-    A checkpoint is due after ``replay_s`` seconds of integrating, which is what a recovery takes
-    at most, and writing them takes at most this ``share`` of the time; ``keep`` of them stay. The
-    journal keeps everything since the first frame as long as it is below ``max_mb``, beyond that
-    what the oldest checkpoint needs.
-    """
-
-    replay_s: float = 3.0
-    share: float = 0.1
-    keep: int = 2
-    max_mb: float = 2048.0
-
-    def __post_init__(self) -> None:
-        if not self.replay_s >= 0:
-            raise ValueError(f"replay_s: must be at least 0, got {self.replay_s}")
-        if not 0 < self.share <= 1:
-            raise ValueError(f"share: {self.share} is not in (0, 1]")
-        if self.keep < 1:
-            raise ValueError(f"keep: must be at least 1, got {self.keep}")
-        if not self.max_mb > 0:
-            raise ValueError(f"max_mb: must be more than 0, got {self.max_mb}")
-
-
 class NoStore:
     """Stands for a map in memory only."""
 
-    first_seq = 0
+    first_seq = told_after = 0
 
     def __init__(self) -> None:
         self.epoch = new_epoch()
+        self.repeated: list[tuple[int, MapDelta]] = []
 
-    def keep(self, kind: str, *parts: Any) -> None:
+    def keep(self, told: int, kind: str, *parts: Any) -> None:
         """Keep nothing."""
 
-    def worked(self, seconds: float) -> None:
+    def worked(self, seconds: float, told: int) -> None:
         """Write no checkpoint."""
 
     def close(self) -> None:
@@ -78,14 +54,16 @@ class MapStore:
     Attributes:
         epoch: the name of the map, which stays as long as it is this map.
         run: how often this map was opened before.
-        repeated: entries of the journal that ``recover`` did again.
+        told_after: number of the last delta before those of ``repeated``.
+        repeated: the deltas of the entries that ``recover`` did again, with their numbers.
     """
 
     def __init__(
         self, scene_folder: Path, params: StoreParams, mapped: Mapped, count: Callable[[str], None]
     ) -> None:
         self.folder = scene_folder / FOLDER
-        self.epoch, self.run, self.repeated = new_epoch(), 0, 0
+        self.epoch, self.run, self.told_after = new_epoch(), 0, 0
+        self.repeated: list[tuple[int, MapDelta]] = []
         self._params = params
         self._mapped = mapped
         self._count = count
@@ -122,32 +100,37 @@ class MapStore:
             raise StoreError(f"{self.folder}: {error.strerror or error}") from error
         if self._position:
             took_s = time.monotonic() - began_s
-            told = (self._position, self.repeated, took_s)
-            log.info("map recovered: entry %d, %d done again, %.1f s", *told)
+            told = (self._position, len(self.repeated), took_s)
+            log.info("map recovered: entry %d, %d deltas told again, %.1f s", *told)
 
-    def keep(self, kind: str, *parts: Any) -> None:
-        """Commit what entered the map just now, a message or two, before anybody is told."""
+    def keep(self, told: int, kind: str, *parts: Any) -> None:
+        """Commit what entered the map just now, a message or two, before anybody is told.
+
+        ``told`` is the number of the last delta before.
+        """
         self._position += 1
         if self._is_behind or self._journal is None:
             return
         try:
             data = [part if isinstance(part, bytes) else encode(part) for part in parts]
-            self._journal.append(Entry(self._position, kind, *data))
+            first, second = [*data, b""][:2]
+            self._journal.append(Entry(self._position, kind, first, second, told))
             self._make_room(self._journal)
         except (StoreError, DamageError) as error:
             self._fall_behind(error)
 
-    def worked(self, seconds: float) -> None:
+    def worked(self, seconds: float, told: int) -> None:
         """Take a checkpoint when it is due, after ``seconds`` more were spent on the map."""
         self._worked_s += seconds
         self._collect()
         if self._worked_s >= self._params.replay_s and self._writer.is_free():
-            self.checkpoint()
+            self._checkpoint(told)
 
-    def checkpoint(self) -> None:
+    def _checkpoint(self, told: int) -> None:
         """Write the whole map as of now, on another thread; stay for it while it is behind."""
         self._worked_s = 0.0
-        self._writer.start(self._position, self._mapped.state(epoch=self.epoch, run=self.run))
+        state = self._mapped.state(epoch=self.epoch, run=self.run, told=told)
+        self._writer.start(self._position, state)
         if self._is_behind:
             self._writer.wait()
             self._collect()
@@ -197,16 +180,17 @@ class MapStore:
     def _take(self, checkpoint: Checkpoint) -> None:
         beside = self._mapped.resume(read(checkpoint))
         self.epoch, self.run = int(beside[EPOCH]), int(beside[RUN]) + 1
+        self.told_after = int(beside["told"])
 
     def _repeat(self, journal: Journal) -> None:
         """Do the entries behind the checkpoint again, up to the first that is damaged."""
         try:
             for entry in journal.entries(self._position):
-                self._mapped.repeat(entry)
+                deltas = self._mapped.repeat(entry)
+                self.repeated += enumerate(deltas, entry.told + 1)
                 self._position = entry.position
-                self.repeated += 1
             self.epoch = journal.number(EPOCH, self.epoch)
-            self.run = max(self.run, journal.number(RUN) + 1)
+            self.run = max(self.run, journal.number(RUN, -1) + 1)
         except (DamageError, ValueError) as damage:
             self._renew_journal(journal, str(damage))
 
@@ -218,7 +202,7 @@ class MapStore:
         set_aside(damaged.path, reason)
         self._count("store_damaged")
         self._journal = Journal(damaged.path)
-        self._writer.start(self._position, self._mapped.state(epoch=self.epoch, run=self.run))
+        self._checkpoint(first_seq(self.run + 1))
         self._writer.wait()
 
     def _begin_run(self, source: Journal | None) -> None:

@@ -110,29 +110,29 @@ class Mapped:
         self.propose(decode(ProposalSet, data, MAX_GIVEN_BYTES))
         return True
 
-    def repeat(self, entry: Entry) -> None:
-        """Do again what ``entry`` of the journal tells of.
+    def repeat(self, entry: Entry) -> list[MapDelta]:
+        """Do again what ``entry`` of the journal tells of; return what was told of it then.
 
         Raises:
             ValueError: no entry of ours.
         """
         if entry.kind == KEYFRAME:
             frame, masks = from_bytes(FRAME, entry.first), from_bytes(MASK, entry.second)
-            self._apply_due(frame.seq)
-            self.integrate(frame, masks)
-        elif entry.kind == REFUSED:
+            return [*self._applied(frame.seq), self.integrate(frame, masks)]
+        if entry.kind == REFUSED:
             seq, stamp_ns = np.frombuffer(entry.first, "<i8").tolist()
-            self._apply_due(seq)
             self.refuse(seq, stamp_ns)
-        elif entry.kind == CORRECTION:
+            return self._applied(seq)
+        if entry.kind == CORRECTION:
             self.offer(from_bytes(POSE_CORRECTION, entry.first))
-            self._apply_due(self.newest[0])
-        elif entry.kind == PROPOSED:
+            return self._applied(self.newest[0])
+        if entry.kind == PROPOSED:
             self.propose(from_bytes(PROPOSAL, entry.first))
         elif entry.kind == GIVEN:
             self.give(entry.first)
         else:
             raise ValueError(f"entry {entry.position} is of an unknown kind {entry.kind!r:.40}")
+        return []
 
     def state(self, **beside: Any) -> State:
         """Return a copy of everything, and what the caller wants to find beside it."""
@@ -167,9 +167,9 @@ class Mapped:
         self._corrections = Corrections(waiting, poses)
         return beside
 
-    def _apply_due(self, frame_seq: int) -> None:
-        for _ in self.due(frame_seq):
-            pass
+    def _applied(self, frame_seq: int) -> list[MapDelta]:
+        outcomes = (outcome for _, outcome in self.due(frame_seq))
+        return [outcome for outcome in outcomes if not isinstance(outcome, ValueError)]
 
 
 def refused_bytes(seq: int, stamp_ns: int) -> bytes:

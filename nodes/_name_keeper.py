@@ -94,12 +94,13 @@ class NameKeeper:
 
     def _note(self) -> None:
         """Write down where names have moved; without it they are searched for at the next start."""
-        moved = self._book.take_changes()
+        moved, anew = self._book.take_moved(), self._book.take_seen_anew()
         try:
-            self._store.write(moved=moved)
+            self._store.write(moved=moved, taught=anew)
         except OSError as error:
-            self._bus.count("names_not_written", len(moved))
-            log.error("names: %s; %d places are in memory only", error, len(moved))
+            changes = len(moved) + len(anew)
+            self._bus.count("names_not_written", changes)
+            log.error("names: %s; %d changes are in memory only", error, changes)
 
     def _recall(self) -> None:
         """Know again what was taught before this process was started."""

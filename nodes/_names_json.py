@@ -1,5 +1,7 @@
 """Taught names as clients see them."""
 
+from collections.abc import Mapping
+
 from sceneq_core.routing.names import GivenName
 from sceneq_core.routing.scene import SceneSnapshot
 from sceneq_core.teaching.taught import Taught, when
@@ -28,6 +30,7 @@ def name_json(one: Taught, keeper: NameKeeper, snapshot: SceneSnapshot) -> Json:
         "p": round(p, P_DIGITS),
         "centre": one.spot.centre_world.round(3).tolist(),
         "inherited": _inherited(given, keeper, snapshot) if one.kind == CATEGORY else [],
+        "maybe": _heirs(given.maybe, snapshot) if given else [],
     }
 
 
@@ -38,12 +41,12 @@ def _given(one: Taught, snapshot: SceneSnapshot) -> GivenName | None:
 
 def _inherited(given: GivenName | None, keeper: NameKeeper, snapshot: SceneSnapshot) -> list[Json]:
     """Return the look-alikes of all that were taught this name, the surest first."""
-    p = given.p if given else {}
-    held = {at.instance_id for other in keeper.taught if (at := keeper.held(other))}
-    found = [(-p[row], snapshot.instances[row].instance_id) for row in p]
-    taught = held & {key for _, key in found}
-    return [
-        {"id": key, "p": round(-minus_p, P_DIGITS)}
-        for minus_p, key in sorted(found)
-        if key not in taught
-    ]
+    same = keeper.find(given.name) if given else ()
+    taught = {at.instance_id for other in same if (at := keeper.held(other))}
+    heirs = _heirs(given.p if given else {}, snapshot)
+    return [heir for heir in heirs if heir["id"] not in taught]
+
+
+def _heirs(p: Mapping[int, float], snapshot: SceneSnapshot) -> list[Json]:
+    found = sorted((-p[row], snapshot.instances[row].instance_id) for row in p)
+    return [{"id": key, "p": round(-minus_p, P_DIGITS)} for minus_p, key in found]

@@ -12,4 +12,6 @@ def may_come(frame: Frame, taken: Container[int], oldest: int | None) -> bool:
     is older than that was before this reader's time and does not come any more.
     """
     before = frame.after
-    return before < 0 or oldest is None or before < oldest or before in taken
+    if before < 0 or before == frame.seq or oldest is None:
+        return True
+    return before < oldest or before in taken

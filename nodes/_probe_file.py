@@ -1,36 +1,42 @@
-"""The file of a probe: what the conse encoder was taught, beside what its classifier knows.
+"""The file of what the conse encoder was taught, beside what its classifier knows.
 
-An ``.npz`` with ``names`` (H,), ``name_vectors`` float16 (H, 384) of the sentence encoder,
-``weights`` float16 (F, H) and ``bias`` float32 (H,); ``sceneq train-probe`` writes it.
+An ``.npz`` with ``names`` (H,), the ``weights`` float16 (F, H) and ``bias`` float32 (H,) of their
+probe, ``size_mean`` and ``size_spread`` float32 (H, 4), ``texts`` (A,) with ``text_vectors``
+float16 (A, 384) of the sentence encoder and ``text_of`` int32 (A,), and ``taught_with``, the digest
+of the examples; ``sceneq train-probe`` writes it.
 """
 
 import hashlib
 import io
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from sceneq_core.arrays import Float32
+from sceneq_core.encoding.lessons import Lessons
 from sceneq_core.encoding.probe import Probe
+from sceneq_core.encoding.usual_sizes import UsualSizes
 
 HOUSEHOLD = Path(__file__).parent / "household_probe.npz"
-"""Taught with rendered rooms (docs/adr/0018-taught-with-rendered-rooms.md)."""
+"""Taught with rendered things (docs/adr/0018-taught-with-rendered-rooms.md)."""
 
 SENTENCE_DIM = 384
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProbeFile:
-    """``probe`` and the sentence vectors of its names, float32 (H, 384); ``digest`` of the file."""
+    """``lessons``, ``digest`` of the file, ``taught_with`` the digest of what they are from."""
 
-    probe: Probe
-    name_vectors: Float32
+    lessons: Lessons
     digest: str
+    taught_with: str
 
 
 def read_probe(path: Path) -> ProbeFile:
-    """Return the probe in a file.
+    """Return what is in a file.
 
     Raises:
         ValueError: no such file, or not one of a probe; it is named.
@@ -38,28 +44,43 @@ def read_probe(path: Path) -> ProbeFile:
     try:
         data = path.read_bytes()
         with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-            names = tuple(str(name) for name in arrays["names"])
-            weights = arrays["weights"].astype(np.float32)
-            bias = arrays["bias"].astype(np.float32)
-            vectors = arrays["name_vectors"].astype(np.float32)
-        probe = Probe(names, weights, bias)
+            lessons, taught_with = _lessons(arrays), str(arrays["taught_with"])
     except OSError as error:
         raise ValueError(f"{path}: {error.strerror or error}") from error
     except Exception as error:  # a damaged file fails in many ways inside zipfile and numpy
         raise ValueError(f"{path}: no probe file: {error!r:.120}") from error
-    if vectors.shape != (len(names), SENTENCE_DIM):
-        expected = (len(names), SENTENCE_DIM)
-        raise ValueError(f"{path}: name_vectors: expected {expected}, got {vectors.shape}")
-    return ProbeFile(probe, vectors, hashlib.sha256(data).hexdigest()[:8])
+    if lessons.text_vectors.shape[1:] != (SENTENCE_DIM,):
+        shape = lessons.text_vectors.shape
+        raise ValueError(f"{path}: text_vectors: expected rows of {SENTENCE_DIM}, got {shape}")
+    return ProbeFile(lessons, hashlib.sha256(data).hexdigest()[:8], taught_with)
 
 
-def write_probe(path: Path, probe: Probe, name_vectors: Float32) -> None:
-    """Write a probe with the sentence vectors (H, 384) of its names; same probe, same bytes."""
+def write_probe(path: Path, lessons: Lessons, texts: Sequence[str], taught_with: str) -> None:
+    """Write lessons; ``texts`` are those of their vectors. Same lessons, same bytes."""
     with path.open("wb") as file:
-        np.savez(
+        np.savez_compressed(
             file,
-            names=np.array(probe.names),
-            name_vectors=name_vectors.astype(np.float16),
-            weights=probe.weights.astype(np.float16),
-            bias=probe.bias,
+            names=np.array(lessons.probe.names),
+            weights=lessons.probe.weights.astype(np.float16),
+            bias=lessons.probe.bias,
+            size_mean=lessons.sizes.mean.astype(np.float32),
+            size_spread=lessons.sizes.spread.astype(np.float32),
+            texts=np.array(texts),
+            text_vectors=lessons.text_vectors.astype(np.float16),
+            text_of=lessons.text_of.astype(np.int32),
+            taught_with=np.array(taught_with),
         )
+
+
+def _lessons(arrays: Mapping[str, Any]) -> Lessons:
+    names = tuple(str(name) for name in arrays["names"])
+    return Lessons(
+        Probe(names, _floats(arrays["weights"]), _floats(arrays["bias"])),
+        UsualSizes(*(arrays[key].astype(np.float64) for key in ("size_mean", "size_spread"))),
+        _floats(arrays["text_vectors"]),
+        arrays["text_of"].astype(np.int64),
+    )
+
+
+def _floats(array: Any) -> Float32:
+    return np.asarray(array, np.float32)

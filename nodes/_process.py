@@ -6,6 +6,7 @@ not).
 
 import contextlib
 import faulthandler
+import gc
 import logging
 import os
 import sys
@@ -97,6 +98,9 @@ def _live(node: Node, bus: ZenohBus, health: Health, stop: Event) -> int:
     except Exception:
         log.exception("cannot start")
         return BUG
+    # What was loaded stays; to look through it for garbage again and again stops every thread.
+    gc.collect()
+    gc.freeze()
     bus.announce(str(os.getpid()))
     health.state = "ready"
     health.hurry()

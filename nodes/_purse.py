@@ -60,7 +60,7 @@ class Purse:
         """
         try:
             with self._lock:
-                expected = self._outlook.dearest(kind)
+                expected = self._outlook.dearest(kind, self._ledger.budget)
                 ticket = self._ledger.reserve(expected, self._clock())
         except OverBudgetError as over:
             return self._for_nothing(kind, ask, over)

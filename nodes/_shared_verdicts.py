@@ -17,7 +17,6 @@ from sceneq_core.reasoning.reasoner import (
 from sceneq_core.routing.remembered import (
     Remembered,
     RememberedParams,
-    free,
     question_of,
     still_holds,
 )
@@ -99,4 +98,4 @@ class SharedVerdicts(Generic[P, V]):
                 return self._solve(replace(mine.problem, time_s=left_s))
             raise UnansweredError(str(error)) from error
         self._count("verdicts_shared")
-        return free(verdict)
+        return replace(verdict, cached=True)

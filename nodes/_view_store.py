@@ -7,19 +7,28 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import zstandard
 
 from sceneq_core.arrays import Int32
+from sceneq_core.mapping.replica import MapReplica
 from sceneq_core.state import StateError, build, take_apart
 from sceneq_core.views.keyframe import Keyframe
 from sceneq_core.views.selector import ViewSelector
+from sceneq_nodes._convert import map_delta_from_message
 from sceneq_nodes._item_store import Change, Item, ItemStore
 from sceneq_nodes._set_aside import DamageError, StoreError
 from sceneq_nodes._state_bytes import packed, unpacked
+from sceneq_schemas.codec import decode, encode
+from sceneq_schemas.map import MapDelta
 
 log = logging.getLogger(__name__)
 
 FILE = "views.sqlite"
-KEYFRAME, PLACES, REST = "keyframe", "places", "rest"
+KEYFRAME, PLACES, MAP, DELTA, REST = "keyframe", "places", "map", "delta", "rest"
+DELTAS = 32
+"""So many changes of the map are kept before it is written whole again."""
+MAX_DELTA_BYTES = 1 << 28
+_ZIP, _UNZIP = zstandard.ZstdCompressor(1), zstandard.ZstdDecompressor()
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +37,7 @@ class Kept:
 
     keyframes: Mapping[int, Keyframe]
     place_coords: Int32
+    replica: MapReplica
     selector: Mapping[str, Any]
     beside: dict[str, Any] = field(default_factory=dict)
 
@@ -49,7 +59,9 @@ class ViewStore:
         self._selector = selector
         self._beside = beside
         self._stored: dict[int, Keyframe] = {}
-        self._places = 0
+        self._places = self._deltas = 0
+        self._new_deltas: list[Item] = []
+        self._needs_map = False
         self._items = ItemStore(scene_folder / FILE, self._everything, count)
 
     @property
@@ -61,22 +73,30 @@ class ViewStore:
         """Bring the selector to where the last run ended; return what lay beside, {} if nothing."""
         try:
             kept = self._read()
-        except (DamageError, StateError, KeyError, ValueError) as error:
+        except (DamageError, StateError, KeyError, ValueError, zstandard.ZstdError) as error:
             self._items.start_anew(str(error))
             return {}
         if kept is None:
             return {}
-        self._selector.resume(kept.keyframes, kept.place_coords, kept.selector)
+        self._selector.resume(kept.keyframes, kept.place_coords, kept.replica, kept.selector)
         self._stored = {k.seq: k for k in self._selector.archive}
         self._places = len(kept.place_coords)
         return kept.beside
+
+    def follow(self, delta: MapDelta) -> None:
+        """Note a change of the map that the selector has taken over."""
+        self._deltas += 1
+        self._new_deltas.append(Item(DELTA, self._deltas, _ZIP.compress(encode(delta))))
+        self._needs_map |= delta.full or self._deltas >= DELTAS
 
     def keep(self) -> None:
         """Commit what has changed since the last call, before anybody is told."""
         archive = self._selector.archive
         new = [k for k in archive if self._stored.get(k.seq) is not k]
         gone = tuple((KEYFRAME, seq) for seq in self._stored if seq not in archive)
-        put = (*map(_keyframe_item, new), *self._new_places(), self._rest())
+        old_deltas = range(1, self._deltas + 1) if self._needs_map else ()
+        gone += tuple((DELTA, number) for number in old_deltas)
+        put = (*map(_keyframe_item, new), *self._new_places(), *self._new_map(), self._rest())
         self._items.commit(Change(put, gone))
         self._stored = {keyframe.seq: keyframe for keyframe in archive}
 
@@ -87,6 +107,7 @@ class ViewStore:
     def _everything(self) -> Iterator[Item]:
         yield from map(_keyframe_item, self._selector.archive)
         yield Item(PLACES, 0, _array_bytes(self._selector.places.coords(0)))
+        yield self._map_item()
         yield self._rest()
 
     def _new_places(self) -> Iterator[Item]:
@@ -94,6 +115,17 @@ class ViewStore:
         if self._places > first:
             coords = self._selector.places.coords(first)
             yield Item(PLACES, first, _array_bytes(coords))
+
+    def _new_map(self) -> list[Item]:
+        """Return what tells the map as of now: the changes since it was written whole, or that."""
+        items, self._new_deltas = self._new_deltas, []
+        if self._needs_map:
+            self._needs_map, self._deltas = False, 0
+            items = [self._map_item()]
+        return items
+
+    def _map_item(self) -> Item:
+        return Item(MAP, 0, packed(take_apart(self._selector.replica)))
 
     def _rest(self) -> Item:
         state = take_apart({"selector": self._selector.parts(), "beside": self._beside()})
@@ -109,8 +141,14 @@ class ViewStore:
             if first != sum(map(len, coords)):
                 raise DamageError(f"places from {sum(map(len, coords))} are missing")
             coords.append(build(unpacked(items[PLACES, first])))
+        replica = build(unpacked(items[MAP, 0])) if (MAP, 0) in items else MapReplica()
+        for _, number in sorted(key for key in items if key[0] == DELTA):
+            message = decode(MapDelta, _UNZIP.decompress(items[DELTA, number], MAX_DELTA_BYTES))
+            replica.apply(map_delta_from_message(message))
+            self._deltas = number
         keyframes = {n: build(unpacked(d)) for (kind, n), d in items.items() if kind == KEYFRAME}
-        return Kept(keyframes, np.concatenate(coords), rest["selector"], rest["beside"])
+        places = np.concatenate(coords)
+        return Kept(keyframes, places, replica, rest["selector"], rest["beside"])
 
 
 def open_view_store(

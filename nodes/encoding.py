@@ -17,6 +17,7 @@ import os
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -33,6 +34,7 @@ from sceneq_nodes._feature_journal import FeatureJournal
 from sceneq_nodes._feature_store import digest_of, open_feature_store
 from sceneq_nodes._follow import Follower
 from sceneq_nodes._keyframes import Keyframes, UnreachableError
+from sceneq_nodes._look_ahead import LookAhead
 from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.feature import Descriptor
 from sceneq_schemas.topics import FEATURE_DELTA, FEATURE_SNAPSHOT, VIEW_DELTA, VIEW_SNAPSHOT
@@ -50,7 +52,8 @@ class EncodingParams:
     """``encoder``: kind and parameters of the backend; ``pictures`` to remember; ``turn_s``: how
     long to describe instances before looking for messages again, seconds; ``nice``: how much this
     process yields to the others (0 to 19), so that the mapping keeps up; ``at_once``: how many
-    instances are described at a time, on as many cores: more than 1 where nobody needs these.
+    instances are described at a time, on as many cores; with more than 1 crops are also encoded
+    while messages come, as a core is free then.
     """
 
     encoder: dict[str, Any] = field(default_factory=lambda: {"kind": "conse"})
@@ -96,13 +99,14 @@ class Encoding:
         self._describer = Describer(encoder, self._params.describe)
         self._keyframes = Keyframes(bus, scene, self._params.pictures)
         self._workers = ThreadPoolExecutor(self._params.at_once, "describe")
+        self._ahead = LookAhead(self._workers, self._look_ahead)
         self._store = open_feature_store(self._context.store, self._model, bus.count)
         kept = self._store.resume() if self._store else {}
         self._begin_run(kept)
         bus.serve(FEATURE_SNAPSHOT, self._journal.answer, scene=scene, model=self._model)
         self._views = Follower(
             *(bus, VIEW_DELTA, VIEW_SNAPSHOT, self._follow),
-            epoch=kept.get("view_epoch"),
+            have=(kept["view_epoch"], 0) if kept.get("view_epoch") else None,
             scene=scene,
         )
         self._views.open()
@@ -111,6 +115,8 @@ class Encoding:
         """Take over changed view sets; when there are none, describe the next instance."""
         if received is not None:
             self._views.offer(received.message)
+            if self._params.at_once > 1:
+                self._ahead.go_on(self._pending)
             return
         self._views.tick()
         deadline_s = time.monotonic() + self._params.turn_s
@@ -153,11 +159,12 @@ class Encoding:
         if not delta.map_epoch:
             return  # it knows no map yet
         self._latest = (delta.frame_seq, delta.stamp_ns)
+        known_map = self._map_epoch
         if delta.map_epoch != self._map_epoch:
             self._map_epoch, self._pending = delta.map_epoch, Pending()
             self._made_of.clear()
         gone = {one.instance_id for one in delta.view_sets if not one.views}
-        if delta.full and delta.epoch == self._views.epoch:
+        if delta.full and (delta.epoch, delta.map_epoch) == (self._views.epoch, known_map):
             gone |= self._journal.ids() - {one.instance_id for one in delta.view_sets}
         for instance_id in gone:
             self._pending.forget(instance_id)
@@ -197,6 +204,9 @@ class Encoding:
             return self._describer.describe(view_set, self._keyframes.image)
         except UnreachableError as error:
             return error
+
+    def _look_ahead(self, view_set: ViewSet) -> Description | None:
+        return self._describer.describe(view_set, partial(self._keyframes.image, counted=False))
 
     def _wait_for_pictures(self, view_set: ViewSet, error: UnreachableError) -> None:
         self._bus.count("pictures_unreachable")

@@ -197,7 +197,8 @@ class Ingest:
             codecs = self._params.rgb_codec, self._params.depth_codec
             message = frame_message(frame.keyframe, *codecs)
             if self._pacer is None:
-                message = replace(message, after=self._last_seq)
+                first = self._last_seq < 0
+                message = replace(message, after=message.seq if first else self._last_seq)
                 self._last_seq = message.seq
                 self._window.sent(message.seq, message, time.monotonic())
             self._publish_keyframe(message)

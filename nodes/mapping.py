@@ -6,7 +6,8 @@ Reads   sceneq/frame/<robot>/<sensor>/v1 and sceneq/mask/<scene>/v1 (latest wins
 Writes  sceneq/map/<scene>/delta/v1 after every keyframe: epoch = when the map was begun, in ms;
         seq from 1, with a leap at every start. With a store (docs/durability.md) what entered the
         map is on disk before its delta is sent, and the map goes on where the last process ended.
-Serves  sceneq/map/<scene>/@snapshot/v1: the whole map as one message.
+Serves  sceneq/map/<scene>/@snapshot/v1: the whole map as one message;
+        sceneq/map/<scene>/@journal/v1?epoch=E;after=SEQ: the last deltas, one by one.
 Rate    that of the keyframes; they are integrated in the order in which they become complete,
         or that of ``after`` where ingest names it: a frame that comes again is not overtaken.
 Bad     a frame without its segments (or the reverse) waits until ``max_waiting`` newer ones came,
@@ -34,7 +35,7 @@ from sceneq_core.mapping.proposals import Proposals, ProposalSource
 from sceneq_nodes._backends import build
 from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
 from sceneq_nodes._convert import map_delta_message, proposal_message
-from sceneq_nodes._map_store import StoreParams, open_store
+from sceneq_nodes._map_store import open_store
 from sceneq_nodes._mapped import (
     CORRECTION,
     GIVEN,
@@ -44,15 +45,19 @@ from sceneq_nodes._mapped import (
     Mapped,
     refused_bytes,
 )
+from sceneq_nodes._recent_deltas import RecentDeltas, wanted_deltas
+from sceneq_nodes._store_params import StoreParams
 from sceneq_nodes._wire import to_bytes
 from sceneq_schemas.codec import encode
 from sceneq_schemas.correction import PoseCorrection
 from sceneq_schemas.frame import Frame
+from sceneq_schemas.map import MapDeltas
 from sceneq_schemas.mask import Masks
 from sceneq_schemas.proposal import ProposalSet
 from sceneq_schemas.topics import (
     FRAME,
     MAP_DELTA,
+    MAP_JOURNAL,
     MAP_SNAPSHOT,
     MASK,
     POSE_CORRECTION,
@@ -104,6 +109,7 @@ class Mapping:
         self._store = open_store(self._context.store, self._params.store, self._mapped, bus.count)
         self._epoch, self._seq = self._store.epoch, self._store.first_seq
         self._marked = 0
+        self._recent = self._recent_of_last_run()
         if (given := source.load()) is not None:
             self._take_given(given)
         context, depth = self._context, self._params.max_waiting
@@ -112,6 +118,7 @@ class Mapping:
         bus.subscribe(POSE_CORRECTION, depth=CORRECTIONS_DEPTH, robot=context.robot)
         bus.subscribe(PROPOSAL, depth=1, scene=context.scene)
         bus.serve(MAP_SNAPSHOT, self._snapshot, scene=context.scene)
+        bus.serve(MAP_JOURNAL, self._journal, scene=context.scene)
         self._report()
 
     def step(self, received: Received | None) -> None:
@@ -166,14 +173,14 @@ class Mapping:
         except ValueError as error:
             self._bus.count("frames_refused")
             log.warning("frame %d refused: %s", frame.seq, error)
-            self._store.keep(REFUSED, refused_bytes(frame.seq, frame.stamp_ns))
+            self._store.keep(self._seq, REFUSED, refused_bytes(frame.seq, frame.stamp_ns))
             self._publish_all(deltas)
             self._publish_unchanged(frame.seq, frame.stamp_ns)  # nobody need send it again
             return
-        self._store.keep(KEYFRAME, frame, masks)
+        self._store.keep(self._seq, KEYFRAME, frame, masks)
         self._publish_all([*deltas, delta])
         self._say_integrated(frame, delta)
-        self._store.worked(time.monotonic() - began_s)
+        self._store.worked(time.monotonic() - began_s, self._seq)
 
     def _say_integrated(self, frame: Frame, delta: MapDelta) -> None:
         if not delta.quarantined:
@@ -186,6 +193,11 @@ class Mapping:
             self._warn_once(kind, message, frame.seq, where, delta.quarantined)
         self._report()
 
+    def _recent_of_last_run(self) -> RecentDeltas:
+        store, epoch = self._store, self._epoch
+        again = (map_delta_message(delta, epoch, seq) for seq, delta in store.repeated)
+        return RecentDeltas(store.told_after, store.first_seq, again)
+
     def _report(self) -> None:
         mapper = self._mapped.mapper
         counts, let_in = mapper.counts(), mapper.let_in
@@ -195,7 +207,7 @@ class Mapping:
         if not self._mapped.offer(message):
             self._refuse_correction(message, "too many wait for their frame")
             return
-        self._store.keep(CORRECTION, message)
+        self._store.keep(self._seq, CORRECTION, message)
         self._publish_all(self._correct(self._mapped.newest[0]))
 
     def _correct(self, frame_seq: int) -> list[MapDelta]:
@@ -220,14 +232,14 @@ class Mapping:
             self._bus.count("proposals_refused")
             log.warning("proposals of %s refused: %s", message.source, error)
         else:
-            self._store.keep(PROPOSED, message)
+            self._store.keep(self._seq, PROPOSED, message)
             self._bus.count("proposals_taken")
 
     def _take_given(self, proposals: Proposals) -> None:
         """Take the masks of the graph's own source, unless the map came back with them."""
         data = encode(proposal_message(proposals, self._params.proposals["kind"]))
         if self._mapped.give(data):
-            self._store.keep(GIVEN, data)
+            self._store.keep(self._seq, GIVEN, data)
 
     def _mark_silence(self) -> None:
         """Let readers see, once, that nothing follows: else a lost last delta shows to nobody."""
@@ -243,6 +255,7 @@ class Mapping:
         for delta in deltas:
             self._seq += 1
             message = map_delta_message(delta, self._epoch, self._seq)
+            self._recent.add(message)
             try:
                 self._bus.publish(MAP_DELTA, message, scene=self._context.scene)
             except ValueError as error:  # too large: the gap in seq sends readers to the snapshot
@@ -261,6 +274,16 @@ class Mapping:
             snapshot, seq = self._mapped.mapper.snapshot(), self._seq
         message = map_delta_message(snapshot, self._epoch, seq)
         return Reply(to_bytes(MAP_SNAPSHOT, message), MAP_SNAPSHOT.encoding)
+
+    def _journal(self, request: Request) -> Reply | None:
+        """Answer with the deltas beyond ``after``, or with nothing when they are forgotten."""
+        epoch, after = wanted_deltas(request)
+        with self._lock:
+            deltas, seq = self._recent.after(after), self._seq
+        if epoch not in (0, self._epoch) or deltas is None:
+            return None
+        message = MapDeltas(self._epoch, seq, deltas)
+        return Reply(to_bytes(MAP_JOURNAL, message), MAP_JOURNAL.encoding)
 
     def _warn_once(self, kind: str, message: str, *values: Any) -> None:
         if kind not in self._reasons:

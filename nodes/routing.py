@@ -4,6 +4,8 @@ Reads   map and view deltas of the scene, descriptors of its encoder's model (st
         healed from snapshots, so a restarted node catches up), and the robot's newest pose.
 Serves  sceneq/query/<scene>/{instances,ask,label,status,labels,last,names} and, what changes names,
         sceneq/teach/<scene>/{set,forget}; asks sceneq/reason/<scene>. Names are kept in the store.
+Writes  sceneq/label/<scene>/delta/v1: what every instance is called, whenever that changes, at most
+        twice a second; epoch = start time in ms; the whole at sceneq/label/<scene>/@snapshot/v1.
 Rate    queries are answered on a pool from an immutable snapshot in memory; ``step`` swaps it.
         With ``meanwhile``, answers come from the former encoder until the new one's descriptors
         cover the map, then all at once from the new one.

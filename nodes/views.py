@@ -36,6 +36,7 @@ from sceneq_schemas.map import MapDelta
 from sceneq_schemas.topics import (
     FRAME,
     MAP_DELTA,
+    MAP_JOURNAL,
     MAP_SNAPSHOT,
     VIEW_DELTA,
     VIEW_IMAGE,
@@ -44,6 +45,8 @@ from sceneq_schemas.topics import (
 
 log = logging.getLogger(__name__)
 
+PATIENCE_STEPS = 40
+"""Changes of the map wait so many idle steps, of ``idle_s``, for a frame that is sent again."""
 REMEMBERED = 64
 """So many keyframes, the last ones, are known when they come late or again."""
 
@@ -80,16 +83,19 @@ class Views:
         self._mapped: deque[int] = deque(maxlen=REMEMBERED)
         self._quarantined: deque[int] = deque(maxlen=REMEMBERED)
         self._newest = (-1, 0)
-        self._marked = 0
+        self._marked = self._idle_steps = 0
+        self._held: deque[MapDelta] = deque()
 
     def open(self, bus: Bus) -> None:
         """Subscribe to frames and the map, serve the snapshot and the pictures."""
         context, self._bus = self._context, bus
         self._store = open_view_store(context.store, self._selector, self._parts, bus.count)
         kept = self._store.resume() if self._store else {}
+        self._map_epoch, self._map_seq = kept.get("map", (0, 0))
         self._map = Follower(
             *(bus, MAP_DELTA, MAP_SNAPSHOT, self._follow),
-            epoch=kept.get("map_epoch") or None,
+            journal_topic=MAP_JOURNAL,
+            have=(self._map_epoch, self._map_seq) if self._store else None,
             scene=context.scene,
         )
         self._begin_run(kept)
@@ -109,7 +115,8 @@ class Views:
             self._wait(received.message)
         else:
             self._map.offer(received.message)
-        self._join()
+        self._advance(patient=received is not None or self._idle_steps < PATIENCE_STEPS)
+        self._idle_steps = self._idle_steps + 1 if received is None and self._held else 0
         if received is None:
             self._publish_changes(always=self._journal.seq != self._marked)
             self._marked = self._journal.seq
@@ -124,8 +131,8 @@ class Views:
         return {
             "epoch": self._journal.epoch,
             "run": self._run,
-            "map_epoch": self._map.epoch or 0,
-            "map_seq": self._map.seq,
+            "map": (self._map_epoch, self._map_seq),
+            "is_lossless": self._is_lossless,
             "newest": self._newest,
             "observed": list(self._observed),
             "mapped": list(self._mapped),
@@ -142,34 +149,64 @@ class Views:
         for name in ("observed", "mapped", "quarantined"):
             getattr(self, f"_{name}").extend(kept.get(name, ()))
         self._newest = kept.get("newest", self._newest)
+        self._is_lossless = kept.get("is_lossless", self._store is not None)
         if self._store:
             self._store.keep()
             if self._store.is_behind:
                 self._journal, self._run = ViewJournal(new_epoch()), 0
         if kept:
-            self._resume_journal(kept["map_epoch"], kept["map_seq"])
+            self._resume_journal()
         self._report()
 
-    def _resume_journal(self, map_epoch: int, map_seq: int) -> None:
+    def _resume_journal(self) -> None:
         frame_seq, stamp_ns = self._newest
         self._journal.resume(
             first_seq(self._run),
             map(view_set_message, self._selector.view_sets()),
             frame_seq=frame_seq,
             stamp_ns=stamp_ns,
-            map_epoch=map_epoch,
-            map_seq=map_seq,
+            map_epoch=self._map_epoch,
+            map_seq=self._map_seq,
         )
 
     def _follow(self, delta: MapDelta) -> None:
-        """Take over a map delta; a whole map holds the older frames that wait as well."""
+        """Queue a change of the map; a whole map makes those before it needless."""
+        if delta.full:
+            self._held.clear()
+        self._held.append(delta)
+        self._advance(patient=True)
+
+    def _advance(self, patient: bool) -> None:
+        """Take over the changes of the map, each before the frame it names is looked at.
+
+        A frame that was lost on its way comes again where nothing is lost: then, while
+        ``patient``, later changes wait for it. So every keyframe is looked at in the map of its
+        time, whoever was killed meanwhile.
+        """
+        self._join()
+        while self._held and not (patient and self._is_missing(self._held[0])):
+            self._take_over(self._held.popleft())
+            self._join()
+
+    def _is_missing(self, delta: MapDelta) -> bool:
+        is_other_map = self._map_epoch not in (0, delta.epoch)
+        if delta.full or is_other_map or not self._is_lossless:
+            return False
+        known = [seq for seq, _ in self._observed]
+        newest = max(known, default=-1)
+        return delta.frame_seq > newest and delta.frame_seq not in self._waiting
+
+    def _take_over(self, delta: MapDelta) -> None:
+        """Apply a change; a whole map holds the older frames that wait as well."""
         try:
             self._selector.follow(map_delta_from_message(delta))
         except ValueError as error:
             self._bus.count("map_delta_bad")
             log.warning("map %d:%d: %s", delta.epoch, delta.seq, error)
             return
-        if delta.epoch != self._map.epoch:
+        if self._store:
+            self._store.follow(delta)
+        if delta.epoch != self._map_epoch:
             self._mapped.clear()
             self._observed.clear()  # to be acknowledged only when the new map holds them
         if delta.quarantined:
@@ -177,6 +214,7 @@ class Views:
         several = delta.full and delta.seq > 1
         older = [seq for seq in self._waiting if several and seq < delta.frame_seq]
         self._mapped.extend((*older, delta.frame_seq))
+        self._map_epoch, self._map_seq = delta.epoch, delta.seq
 
     def _wait(self, frame: Frame) -> None:
         """Keep ``frame`` until the map holds it; acknowledge one that was looked at before."""
@@ -187,6 +225,7 @@ class Views:
             self._newest = key
             self._publish_changes(always=True)
             return
+        self._is_lossless = frame.after >= 0
         self._waiting[frame.seq] = frame
         if len(self._waiting) > self._params.waiting:
             oldest = next(iter(self._waiting))
@@ -231,8 +270,8 @@ class Views:
             changed,
             frame_seq=seq,
             stamp_ns=stamp_ns,
-            map_epoch=self._map.epoch or 0,
-            map_seq=self._map.seq,
+            map_epoch=self._map_epoch,
+            map_seq=self._map_seq,
         )
         self._bus.publish(VIEW_DELTA, delta, scene=self._context.scene)
         self._report()

@@ -160,7 +160,8 @@ class _Reader:
         return zip(flat[::2], flat[1::2], strict=True)
 
     def array(self, values: Sequence[Any]) -> Array:
-        return self.arrays[values[0]]
+        array: Array = self.arrays[values[0]]
+        return array
 
 
 def _build_object(reader: _Reader, values: list[Any]) -> object:

@@ -27,8 +27,8 @@ class Frame:
     ``rgb`` is RGB uint8 (H, W, 3); ``depth_mm`` is uint16 (H, W) millimetres along the optical
     axis in the colour camera, 0 = no measurement; ``K`` pinhole intrinsics in pixels;
     ``T_world_camera`` maps camera to world coordinates in metres (OpenCV axes). ``after`` is the
-    seq of the keyframe that has to be taken in before, -1 = none: a lost one comes again, and is
-    not to be overtaken.
+    seq of the keyframe that has to be taken in before, for a lost one comes again and is not to be
+    overtaken; its own seq if it is the first; -1 where frames may be lost for good.
     """
 
     VERSION: ClassVar[int] = 1

@@ -98,3 +98,17 @@ class MapDelta:
     quarantined: str = ""
     moved_from_id: Annotated[Array, ArraySpec("<i4", (None,))] = field(default_factory=_no_ids)
     moved_to_id: Annotated[Array, ArraySpec("<i4", (None,))] = field(default_factory=_no_ids)
+
+
+@dataclass(frozen=True, slots=True)
+class MapDeltas:
+    """The deltas of ``epoch`` that somebody missed, in order; with them the map is that of ``seq``.
+
+    Their numbers may leave some out: those told nothing.
+    """
+
+    VERSION: ClassVar[int] = 1
+    SCHEMA: ClassVar[str] = "sceneq.map_journal.v1"
+    epoch: int
+    seq: int
+    deltas: tuple[MapDelta, ...]

@@ -8,7 +8,7 @@ from sceneq_schemas.correction import PoseCorrection
 from sceneq_schemas.feature import FeatureDelta
 from sceneq_schemas.frame import Frame, Pose
 from sceneq_schemas.label import LabelDelta
-from sceneq_schemas.map import MapDelta
+from sceneq_schemas.map import MapDelta, MapDeltas
 from sceneq_schemas.mask import Masks
 from sceneq_schemas.proposal import ProposalSet
 from sceneq_schemas.view import ViewDelta
@@ -113,6 +113,9 @@ MAP_DELTA = Topic("map_delta", "sceneq/map/{scene}/delta/v1", "mapping", _S, 3, 
 MAP_SNAPSHOT = Topic(
     "map_snapshot", "sceneq/map/{scene}/@snapshot/v1", "mapping", _Q, 0, 256 * MIB, MapDelta
 )
+MAP_JOURNAL = Topic(
+    "map_journal", "sceneq/map/{scene}/@journal/v1", "mapping", _Q, 0, 256 * MIB, MapDeltas
+)
 VIEW_DELTA = Topic(
     "view_delta", "sceneq/view/{scene}/delta/v1", "views", _S, 3, 32 * MIB, ViewDelta
 )
@@ -169,6 +172,7 @@ TOPICS = (
     PROPOSAL,
     MAP_DELTA,
     MAP_SNAPSHOT,
+    MAP_JOURNAL,
     VIEW_DELTA,
     VIEW_SNAPSHOT,
     VIEW_IMAGE,

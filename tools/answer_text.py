@@ -10,12 +10,20 @@ NONE = "-"
 
 
 def headline(answer: Answer) -> str:
-    """Return ``found: 'red mug' (fast)`` and the like."""
+    """Return ``found: 'red mug' (fast)`` and the like, below the sentence that says it."""
     question = answer.get("question")
     about = f": {question!r}" if question else ""
     route, reason = answer.get("route"), answer.get("reason")
-    way = f" by the {route} route" if route else ""
-    return f"{answer.get('status', 'answer')}{about}{way}" + (f" ({reason})" if reason else "")
+    known = ", known" if answer.get("cached") else ""
+    way = f" by the {route} route{known}" if route else ""
+    first = f"{answer.get('status', 'answer')}{about}{way}" + (f" ({reason})" if reason else "")
+    return "\n".join([*spoken(answer), first])
+
+
+def spoken(answer: Answer) -> list[str]:
+    """Return the sentence that answers the question, if there is one."""
+    said = answer.get("said")
+    return [said] if isinstance(said, str) and said else []
 
 
 def rows(answer: Answer) -> list[tuple[str, ...]]:

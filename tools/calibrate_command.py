@@ -1,4 +1,4 @@
-"""``sceneq calibrate``: temperature and thresholds for an encoder, from recordings with truth."""
+"""``sceneq calibrate``: the probabilities of an encoder, from recordings with truth."""
 
 from pathlib import Path
 from typing import Annotated
@@ -12,9 +12,9 @@ from sceneq_tools.progress import Quiet
 
 def run(
     recordings: Recordings,
-    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="What to write.")] = Path(
-        "calibration.json"
-    ),
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FILE", help="A folder: named by the encoder's id.")
+    ] = Path("calibration.json"),
     graph: GraphFile = None,
     fit_on: Annotated[
         str, typer.Option("--fit", help="T fits questions, labels or both.")
@@ -24,25 +24,30 @@ def run(
     ] = "",
     quiet: Quiet = False,
 ) -> None:
-    """Fit temperature and gate on the true instances of recordings; test them on others.
+    """Fit temperature, "none of them" and gate on the true instances of recordings; test on others.
 
-    The file goes into the graph: nodes, routing, params, calibration: calibration.json
+    Of a suite the tuning rooms are used. The file goes into the graph: nodes, routing, params,
+    calibration: calibration.json
     """
     from sceneq_tools.errors import UserError
     from sceneq_tools.evaluation.calibration_command import print_calibration, read_scenes
     from sceneq_tools.evaluation.calibration_fit import TASKS, fit
     from sceneq_tools.evaluation.retrieval_setup import open_setup
     from sceneq_tools.json_file import write_json
+    from sceneq_tools.suite import TUNING
 
     if fit_on not in TASKS:
         raise UserError(f"--fit {fit_on!r}: expected one of {', '.join(TASKS)}", 2)
     setup = open_setup(graph)
     try:
-        fitted = fit(read_scenes(recordings, setup, quiet), setup, fit_on)
+        fitted = fit(read_scenes(recordings, setup, quiet, TUNING), setup, fit_on)
     except ValueError as error:
         raise UserError(f"nothing to fit to: {error}") from error
     for name, report in (("before", fitted.before), ("after", fitted.after)):
         typer.echo(f"{name}, on the data it was fitted on")
         print_calibration(report)
-    write_json({**fitted.as_dict(), "date": date}, out)
-    typer.echo(f"T {fitted.calibration.temperature:g}, {fitted.calibration.gate} -> {out}")
+    calibration = fitted.calibration
+    file = out / f"{calibration.encoder}.json" if out.is_dir() else out
+    write_json({**fitted.as_dict(), "date": date}, file)
+    typer.echo(f"T {calibration.temperature:g}, {calibration.null}, {calibration.gate}")
+    typer.echo(f"{calibration.name} -> {file}")

@@ -10,7 +10,7 @@ import typer
 COMMANDS = (
     *("up", "ask", "teach", "forget", "status", "metrics", "trace", "view", "viewer"),
     *("check", "map", "export", "demo", "schema", "doctor", "bench", "synth"),
-    *("calibrate", "calibrate-names", "train-probe"),
+    *("calibrate", "calibrate-names", "portraits", "train-probe"),
 )
 GROUPS = ("scene", "sim", "eval", "secure")
 USAGE = 2

@@ -1,11 +1,12 @@
 """Taught names in words and columns."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import typer
 
-COLUMNS = ("name", "kind", "is", "p", "inherited by", "taught by", "when")
+COLUMNS = ("name", "kind", "is", "p", "inherited by", "alike", "taught by", "when")
+SHOWN = 6
 Body = Mapping[str, Any]
 
 
@@ -17,7 +18,9 @@ def taught(body: Body) -> None:
     if others := body.get("pointed_at", ())[1:]:
         typer.echo(f"also there: {', '.join(map(str, others))}")
     if body.get("inherited"):
-        typer.echo(f"inherited by {_heirs(body)}")
+        typer.echo(f"inherited by {_told(body['inherited'])}")
+    if body.get("maybe"):
+        typer.echo(f"somewhat alike: {_told(body['maybe'])}")
     _kept(body)
 
 
@@ -41,8 +44,9 @@ def listed(body: Body) -> None:
 
 def _row(one: Body) -> tuple[str, ...]:
     p = f"{one['p']:.2f}" if one["p"] else "-"
-    heirs = _heirs(one) or "-"
-    return one["name"], one["kind"], _where(one), p, heirs, one["by"], one["when"]
+    heirs, maybe = _told(one["inherited"]), _told(one.get("maybe", ()))
+    cells = (one["name"], one["kind"], _where(one), p, heirs or "-", maybe or "-")
+    return (*cells, one["by"], one["when"])
 
 
 def _where(one: Body) -> str:
@@ -51,8 +55,9 @@ def _where(one: Body) -> str:
     return "unattached, last at {:.2f} {:.2f} {:.2f} m".format(*one["centre"])
 
 
-def _heirs(one: Body) -> str:
-    return ", ".join(f"{heir['id']} (p {heir['p']:.2f})" for heir in one["inherited"])
+def _told(heirs: Sequence[Body]) -> str:
+    more = f", {len(heirs) - SHOWN} more" if len(heirs) > SHOWN else ""
+    return ", ".join(f"{heir['id']} (p {heir['p']:.2f})" for heir in heirs[:SHOWN]) + more
 
 
 def _origin(one: Body) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from sceneq_core.arrays import Float32, Int32, UInt8
+from sceneq_core.arrays import Float32, Int32
 from sceneq_core.mapping.delta import OBJECT
 from sceneq_core.mapping.digest import map_digest
 from sceneq_core.mapping.replica import MapReplica
@@ -17,6 +17,7 @@ from sceneq_core.picture import instance_colours
 from sceneq_core.picture.scene import Cloud
 from sceneq_core.picture.sheet import SIZE
 from sceneq_tools.errors import UserError
+from sceneq_tools.ply_file import write_ply
 from sceneq_tools.scene_picture import scene_picture, write_png
 
 ARRAYS_FILE, RECORDS_FILE = "instances.npz", "instances.json"
@@ -75,7 +76,7 @@ class SceneFiles:
             arrays = pool.submit(self._write_arrays, cloud, out)
             if len(cloud.points_world):
                 colours = instance_colours(cloud.instance_id, cloud.rgb)
-                points = pool.submit(_write_ply, out / "cloud.ply", cloud.points_world, colours)
+                points = pool.submit(write_ply, out / "cloud.ply", cloud.points_world, colours)
                 picture = scene_picture(cloud, document, size=picture_size)
                 write_png(picture, out / "instances.png")
                 points.result()
@@ -178,16 +179,6 @@ def read_descriptors(folder: Path) -> Descriptors:
         raise UserError(f"{folder}: no descriptors: {error.args[0]!s:.80} ({hint})", 2) from error
     except (OSError, ValueError) as error:
         raise UserError(f"{folder}: cannot be read: {error}", 2) from error
-
-
-def _write_ply(path: Path, points_world: Float32, rgb: UInt8) -> None:
-    import open3d
-
-    cloud = open3d.geometry.PointCloud()
-    cloud.points = open3d.utility.Vector3dVector(points_world.astype(np.float64))
-    cloud.colors = open3d.utility.Vector3dVector(rgb / 255.0)
-    if not open3d.io.write_point_cloud(path, cloud):
-        raise OSError(f"{path}: the point cloud could not be written")
 
 
 def describe(summary: Mapping[str, Any], out: Path) -> str:

@@ -1,4 +1,4 @@
-"""``sceneq schema``: the table of keys."""
+"""``sceneq schema``: the table of keys, and what an answer looks like."""
 
 import json
 from typing import Annotated, Any
@@ -8,8 +8,14 @@ import typer
 
 def run(
     as_json: Annotated[bool, typer.Option("--json", help="As JSON, for programs.")] = False,
+    answer: Annotated[bool, typer.Option("--answer", help="The JSON Schema of answers.")] = False,
 ) -> None:
     """Print what flows: keys, writers, message types, delivery, rates."""
+    if answer:
+        from sceneq_schemas.answer import ANSWER
+
+        typer.echo(json.dumps(ANSWER, indent=2))
+        return
     rows = [_row(topic) for topic in _topics()]
     if as_json:
         typer.echo(json.dumps(rows, indent=2))

@@ -1,4 +1,4 @@
-"""``sceneq train-probe``: teach the embedded encoder names, with recordings with truth."""
+"""``sceneq train-probe``: teach the embedded encoder names, with recordings and portraits."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -15,25 +15,26 @@ if TYPE_CHECKING:
 
 def run(
     recordings: Annotated[
-        list[Path], typer.Argument(metavar="RECORDING...", help="Made by sceneq synth, or alike.")
+        list[Path],
+        typer.Argument(metavar="FOLDER...", help="Made by sceneq synth or sceneq portraits."),
     ],
     out: Annotated[Path, typer.Option("--out", metavar="FILE", help="What to write.")] = Path(
         "probe.npz"
     ),
     graph: GraphFile = None,
-    rounds: Annotated[int, typer.Option(min=1, help="Over all examples.")] = 40,
+    rounds: Annotated[int, typer.Option(min=1, help="Over all examples.")] = 15,
     quiet: Quiet = False,
 ) -> None:
-    """Write a probe of the names in recordings: a linear layer on the classifier's feature.
+    """Write what the names in recordings look like, how large they are and what they mean.
 
     The file goes into the graph, alike in encoding and routing: encoder: {kind: conse, probe: FILE}
     """
-    from sceneq_core.encoding.probe_training import ProbeTrainingParams, train_probe
     from sceneq_nodes._conse_encoder import ConseEncoder
     from sceneq_nodes._probe_file import write_probe
     from sceneq_tools.errors import UserError
     from sceneq_tools.evaluation.retrieval_setup import open_setup
-    from sceneq_tools.probe_examples import as_arrays
+    from sceneq_tools.probe_examples import digest
+    from sceneq_tools.probe_lessons import learn, meanings
 
     setup = open_setup(graph)
     encoder = setup.encoder
@@ -42,14 +43,14 @@ def run(
     found = [example for folder in recordings for example in _examples(folder, setup, quiet)]
     if not found:
         raise UserError("no thing is seen in these recordings")
-    names, features = as_arrays(found)
+    texts = meanings(found)
     try:
-        probe = train_probe(features, names, ProbeTrainingParams(rounds=rounds))
+        lessons = learn(found, texts, encoder.embed_all, rounds)
     except ValueError as error:
         raise UserError(f"nothing to learn: {error}") from error
     out.parent.mkdir(parents=True, exist_ok=True)
-    write_probe(out, probe, encoder.embed_all(probe.names))
-    typer.echo(f"{len(probe)} names from {len(found)} views -> {out}")
+    write_probe(out, lessons, [text for text, _ in texts], digest(found))
+    typer.echo(f"{len(lessons.probe)} names from {len(found)} views -> {out}")
 
 
 def _examples(folder: Path, setup: "Setup", quiet: bool) -> "list[Example]":

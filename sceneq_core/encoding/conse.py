@@ -6,11 +6,17 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import Float32, UInt8
+from sceneq_core.arrays import Float32, Float64, UInt8
 from sceneq_core.encoding.colour import colour_shares, split_colours
 from sceneq_core.encoding.encoder import Crop
-from sceneq_core.encoding.joint import CLASSES, dimensions, image_vector, text_vector
-from sceneq_core.encoding.probe import Probe
+from sceneq_core.encoding.joint import (
+    CLASSES,
+    dimensions,
+    given_evidence,
+    image_vector,
+    text_vector,
+)
+from sceneq_core.encoding.lessons import Lessons
 
 Classify = Callable[[Float32], tuple[Float32, Float32]]
 """(1, 3, side, side) scaled image -> logits (1000,), pooled feature (F,)."""
@@ -29,18 +35,18 @@ class Conse:
         self,
         classify: Classify,
         embed: Embed,
-        name_vectors: Callable[[], Float32],
+        class_vectors: Callable[[], Float32],
         prior: Float32,
-        probe: Probe,
+        lessons: Lessons,
         side_px: int,
         text_cache: int,
     ) -> None:
         self._classify = classify
         self._embed = embed
-        self._name_vectors = name_vectors
+        self._class_vectors = class_vectors
         self._prior = prior
-        self._probe = probe
-        self.dim = dimensions(len(probe))
+        self._lessons = lessons
+        self.dim = dimensions(len(lessons.probe))
         self._side_px = side_px
         self._text = lru_cache(maxsize=text_cache)(self._encode_text)
 
@@ -52,6 +58,10 @@ class Conse:
         descriptors, features = zip(*pairs, strict=True)
         return np.stack(descriptors), np.stack(features)
 
+    def sized(self, descriptor: Float32, shape: Float64) -> Float32:
+        """Return the descriptor (D,) of a thing that has this shape (4,), length 1."""
+        return given_evidence(descriptor, self._lessons.sizes.evidence(shape))
+
     def encode_texts(self, texts: Sequence[str]) -> Float32:
         """Return (N, dim), L2-normalised."""
         if not texts:
@@ -60,14 +70,17 @@ class Conse:
 
     def _encode_crop(self, crop: Crop) -> tuple[Float32, Float32]:
         logits, feature = self._classify(classifier_input(crop.rgb, self._side_px))
-        probed, shares = self._probe.probabilities(feature), colour_shares(crop.rgb, crop.mask)
+        probed = self._lessons.probe.probabilities(feature)
+        shares = colour_shares(crop.rgb, crop.mask)
         return image_vector(logits, self._prior, probed, shares), feature
 
     def _encode_text(self, text: str) -> Float32:
         rest, colours = split_colours(text)
-        similarity = np.zeros(CLASSES + len(self._probe), np.float32)
+        similarity = np.zeros(CLASSES + len(self._lessons.probe), np.float32)
         if rest:
-            similarity = self._name_vectors() @ self._embed(rest)
+            embedded = self._embed(rest)
+            similarity[:CLASSES] = self._class_vectors() @ embedded
+            similarity[CLASSES:] = self._lessons.similarity(embedded)
         return text_vector(similarity, colours)
 
 

@@ -15,7 +15,7 @@ no image follows: it is far from everything, instead of boldly near to the wrong
 
 import numpy as np
 
-from sceneq_core.arrays import Float32
+from sceneq_core.arrays import Float32, Float64
 from sceneq_core.encoding.colour import COLOUR_TERMS
 
 CLASSES = 1000
@@ -60,6 +60,21 @@ def text_vector(similarity: Float32, shares: Float32) -> Float32:
     has_words, has_colour = bool(similarity.any()), bool(shares.any())
     meaning = _meaning(similarity) if has_words else _nothing(len(similarity), has_colour)
     return unit(np.concatenate([meaning, np.sqrt(shares)]))
+
+
+def given_evidence(vector: Float32, evidence: Float64) -> Float32:
+    """Return the image vector given independent evidence for the H names, length as before.
+
+    ``evidence`` (H,): log-likelihood of something else that is known of the thing. What the probe
+    said is multiplied with it; the sum of the squares in its part stays.
+    """
+    names = slice(CLASSES, CLASSES + len(evidence))
+    said = vector[names].astype(np.float64) ** 2
+    meant = said * np.exp(evidence)
+    sized = vector.copy()
+    if meant.sum() > 0:
+        sized[names] = np.sqrt(meant * (said.sum() / meant.sum()))
+    return sized
 
 
 def unit(vector: Float32) -> Float32:

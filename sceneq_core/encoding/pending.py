@@ -25,7 +25,12 @@ class Pending:
 
     def put(self, view_set: ViewSet) -> None:
         """Let ``view_set`` wait in place of an older one of its instance."""
+        self._waiting.pop(view_set.instance_id, None)
         self._waiting[view_set.instance_id] = view_set
+
+    def __iter__(self) -> Iterator[ViewSet]:
+        """Yield what waits, first what has waited longest as it is."""
+        return iter(self._waiting.values())
 
     def take(self) -> ViewSet | None:
         """Return the most urgent view set, or its best view while the whole set waits on."""

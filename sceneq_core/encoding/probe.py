@@ -11,10 +11,6 @@ import numpy as np
 from sceneq_core.arrays import Float32
 from sceneq_core.encoding.joint import unit
 
-SOFTNESS = 2.0
-"""Temperature of its probabilities. It was taught with clean pictures of few things, and is surer
-of itself than it should be; the order of the names does not depend on it."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Probe:
@@ -37,6 +33,6 @@ class Probe:
 
     def probabilities(self, feature: Float32) -> Float32:
         """Return how probable each name is, float32 (H,), of a pooled ``feature`` (F,)."""
-        logits = (unit(feature) @ self.weights + self.bias) / SOFTNESS
+        logits = unit(feature) @ self.weights + self.bias
         weight = np.exp(logits - logits.max(initial=0.0))
         return np.asarray(weight / weight.sum(), np.float32) if len(weight) else weight

@@ -1,4 +1,4 @@
-"""The two numbers of "none of them", from questions of which it is known whether anything is meant.
+"""The numbers of "none of them", from questions of which it is known whether anything is meant.
 
 J. Platt, "Probabilistic outputs for support vector machines and comparisons to regularized
 likelihood methods", 1999: a logistic function by maximum likelihood, on targets that are a little
@@ -6,18 +6,39 @@ less than certain, so that a few questions that can all be told apart do not mak
 sure.
 """
 
+from collections.abc import Callable, Sequence
+from dataclasses import astuple, fields
+
 import numpy as np
 
 from sceneq_core.arrays import Bool, Float64
-from sceneq_core.routing.null import NullParams
+from sceneq_core.evaluation.temperature import fit_temperature
+from sceneq_core.routing.null import Evidence, NullParams
 
 
-def fit_null(evidence: Float64, present: Bool) -> NullParams:
-    """Return the most likely parameters for ``evidence`` (N,) that something is ``present`` (N,).
+def fit_null(evidence_at: Callable[[float], Sequence[Evidence]], present: Bool) -> NullParams:
+    """Return the most likely parameters that something is ``present`` (N,).
+
+    ``evidence_at`` returns the evidence in N questions at a temperature.
 
     Raises:
         ValueError: arrays of different length; all are present or all are absent, so nothing
             tells one from the other.
+    """
+
+    def fitted_at(temperature: float) -> tuple[Float64, float]:
+        rows = [astuple(one) for one in evidence_at(temperature)]
+        return fit_logistic(np.array(rows, np.float64).reshape(-1, len(fields(Evidence))), present)
+
+    best = fit_temperature(lambda t: fitted_at(t)[1])
+    name, said, standing, bias = fitted_at(best)[0].tolist()
+    return NullParams(best, name, said, standing, bias)
+
+
+def fit_logistic(evidence: Float64, present: Bool) -> tuple[Float64, float]:
+    """Return weights >= 0 of ``evidence`` (N, K) with the bias after them (K + 1,), and their loss.
+
+    Raises as ``fit_null``.
     """
     if len(evidence) != len(present):
         raise ValueError(f"present: {len(present)} values for {len(evidence)} questions")
@@ -28,14 +49,15 @@ def fit_null(evidence: Float64, present: Bool) -> NullParams:
     from scipy.optimize import minimize  # slow to import
 
     target = np.where(present, (there + 1) / (there + 2), 1 / (absent + 2))
+    columns = np.column_stack([evidence, np.ones(len(evidence))])
 
     def loss(x: Float64) -> tuple[float, Float64]:
-        scale, bias = x
-        logit = bias + scale * evidence
+        logit = columns @ x
         off = 0.5 * (1.0 + np.tanh(0.5 * logit)) - target
         value = np.logaddexp(0.0, logit) - target * logit
-        return float(value.mean()), np.array([(off * evidence).mean(), off.mean()])
+        return float(value.mean()), columns.T @ off / len(off)
 
-    start = np.array([1.0, -float(evidence.mean())])
-    best = minimize(loss, start, jac=True, method="L-BFGS-B", bounds=[(0.0, None), (None, None)])
-    return NullParams(scale=float(best.x[0]), bias=float(best.x[1]))
+    kinds = evidence.shape[1]
+    bounds = [(0.0, None)] * kinds + [(None, None)]
+    best = minimize(loss, np.zeros(kinds + 1), jac=True, method="L-BFGS-B", bounds=bounds)
+    return best.x, float(best.fun)

@@ -7,15 +7,17 @@ import numpy as np
 from sceneq_core.arrays import Array, Bool, Int32, Int64
 from sceneq_core.mapping.agreement import expected_agreement
 from sceneq_core.mapping.association_params import AssociationParams
+from sceneq_core.mapping.borders import Borders
 from sceneq_core.mapping.consolidation import consolidated
 from sceneq_core.mapping.coverage import Coverage
 from sceneq_core.mapping.detachment import ATTACHED, detached_parts
 from sceneq_core.mapping.evidence import NO_SEGMENT, Evidence
-from sceneq_core.mapping.group_change import NO_GROUP, Changes, GroupChange
+from sceneq_core.mapping.group_change import NO_GROUP, Changes, GroupChange, deserted, most_frequent
 from sceneq_core.mapping.ids import Ids
 from sceneq_core.mapping.mask_segments import NO_MASK, MaskSegments
 from sceneq_core.mapping.merging import Pairs, merging_pairs
-from sceneq_core.mapping.rows import with_rows
+from sceneq_core.mapping.neighbourhood import Neighbourhood
+from sceneq_core.mapping.rows import marked, with_rows
 from sceneq_core.mapping.superpoints import SuperpointChange
 from sceneq_core.mapping.visibility import Visible
 
@@ -39,6 +41,7 @@ class Association:
         self._of_superpoint = np.full(0, NO_GROUP, np.int32)
         self._evidence = Evidence(params.views)
         self._coverage = Coverage(params.top_views, params.min_pixels)
+        self._neighbourhood = Neighbourhood()
         self._groups = Ids()
         self._mask_segments = MaskSegments()
         self._renumber_at = _MANY_SEGMENTS
@@ -76,7 +79,7 @@ class Association:
             changes.take(entering())
         changes.note(self.of(visible.superpoint_id))
         segment = self._record(visible, keyframe)
-        self._refine(visible.superpoint_id, changes)
+        self._refine(self._neighbourhood.follow(change, visible), changes)
         changes.note(self.of(visible.superpoint_id))
         return self._change(changes, self._seen(segment))
 
@@ -191,6 +194,7 @@ class Association:
             if not len(superpoint_id):
                 return False
             self._decided = self._owner, self._views
+            self._neighbourhood.calm()
             self._consolidate_and_detach(superpoint_id, changes)
             self._merge(changes)
             superpoint_id = superpoint_id[:0]
@@ -199,37 +203,32 @@ class Association:
     def _consolidate_and_detach(self, superpoint_id: Int32, changes: Changes) -> None:
         before = self.of(superpoint_id)
         segment = self._evidence.segments(superpoint_id)
-        target, alone = consolidated(segment, before, self._owner, self._views, self._params)
+        near = self._borders().around(superpoint_id)
+        target, alone = consolidated(segment, before, self._owner, self._views, near, self._params)
         part = detached_parts(
             superpoint_id[alone],
             before[alone],
             self._evidence,
             self._coverage,
             self._views,
+            self._borders(),
             self._params,
         )
         founded = self._groups.take(int(part.max(initial=ATTACHED)) + 1)
         target[alone] = np.where(part == ATTACHED, before[alone], np.append(founded, 0)[part])
         left = (before[alone][part == place] for place in range(len(founded)))
-        pairs = zip(founded.tolist(), map(_most_frequent, left), strict=True)
+        pairs = zip(founded.tolist(), map(most_frequent, left), strict=True)
         changes.founded += tuple(pairs)
         moving = target != before
         if not moving.any():
             return
         changes.note(before[moving], target[moving])
         self._assign(superpoint_id[moving], target[moving])
-        changes.merged += self._deserted(before[moving], target[moving])
+        changes.merged += deserted(before[moving], target[moving], self._sizes())
         self._look()
 
-    def _deserted(self, before: Int32, after: Int32) -> Pairs:
-        """Return the groups that are empty now, each with the group most of it moved to."""
-        left = np.unique(before[before != NO_GROUP])
-        empty = left[self._sizes()[left] == 0].tolist()
-        return tuple((group, _most_frequent(after[before == group])) for group in empty)
-
     def _merge(self, changes: Changes) -> None:
-        params = self._params
-        while pairs := merging_pairs(self._views, params.tau_merge, params.min_common_views):
+        while pairs := merging_pairs(self._views, self._in_view(), self._borders(), self._params):
             changes.merged += self._unite(pairs)
             self._look()
 
@@ -254,6 +253,7 @@ class Association:
             np.concatenate((-entries.pixels, entries.pixels)),
         )
         self._of_superpoint[superpoint_id] = group
+        self._neighbourhood.move(superpoint_id)
 
     def _look(self) -> None:
         """Take in who owns which segment, and which segments dominate the groups."""
@@ -261,14 +261,25 @@ class Association:
         self._views = self._coverage.region_views(len(self))
 
     def _disturbed(self) -> Int32:
-        """Return the superpoints with a segment that is not what it was at the last decision."""
+        """Return the superpoints that would not decide as they did: a segment is not what it was,
+        or a neighbour is elsewhere.
+        """
         owner, views = self._decided
         changed: Bool = self._coverage.differing(views, self._views)
         changed[: len(owner)] |= self._owner[: len(owner)] != owner
+        beside = self._neighbourhood.disturbed()
         if not changed.any():
-            return np.zeros(0, np.int32)
+            return beside
         everyone = np.arange(len(self._of_superpoint), dtype=np.int32)
-        return everyone[changed[self._evidence.segments(everyone)].any(axis=1)]
+        own = everyone[changed[self._evidence.segments(everyone)].any(axis=1)]
+        return np.union1d(own, beside)
+
+    def _in_view(self) -> Bool:
+        """Mark the groups (G,) of which the last keyframe shows something."""
+        return marked(self.of(self._neighbourhood.in_view), len(self) + 1)
+
+    def _borders(self) -> Borders:
+        return self._neighbourhood.borders(self._of_superpoint)
 
     def _seen(self, first_segment: int) -> Int32:
         """Return the groups that have a view in the keyframe of the latest segments."""
@@ -287,8 +298,3 @@ class Association:
     def _sizes(self) -> Int64:
         grouped = self._of_superpoint[self._of_superpoint != NO_GROUP]
         return np.bincount(grouped, minlength=len(self)).astype(np.int64)
-
-
-def _most_frequent(number: Int32) -> int:
-    value, count = np.unique(number, return_counts=True)
-    return int(value[np.argmax(count)])

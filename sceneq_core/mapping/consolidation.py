@@ -4,28 +4,45 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sceneq_core.arrays import Bool, Float64, Int32, Int64
+from sceneq_core.arrays import Array, Bool, Float64, Int32, Int64
 from sceneq_core.mapping.agreement import RegionViews, expected_agreement
 from sceneq_core.mapping.association_params import AssociationParams
+from sceneq_core.mapping.borders import Near
 from sceneq_core.mapping.coverage import NO_REGION
 from sceneq_core.mapping.evidence import NO_SEGMENT
+from sceneq_core.mapping.rows import first_of_each
+
+_SHIFT = 32
+_LOW = (1 << _SHIFT) - 1
 
 
 @dataclass(frozen=True, slots=True)
-class _Fit:
-    """How well superpoints fit one group each: ``score`` and ``agreement``, float64 (N,)."""
+class _Candidates:
+    """Pairs of a superpoint and a group that it may belong to, in this order, sorted.
 
-    score: Float64
-    agreement: Float64
+    ``row`` int64 (C,) counts in the superpoints, ``votes`` int64 (C,) the views in which the group
+    owns the superpoint's segment, ``share`` float64 (C,) how much of its border goes on into it.
+    """
+
+    row: Int64
+    group: Int32
+    votes: Int64
+    share: Float64
 
 
 def consolidated(
-    segment: Int32, group: Int32, owner: Int32, views: RegionViews, params: AssociationParams
+    segment: Int32,
+    group: Int32,
+    owner: Int32,
+    views: RegionViews,
+    near: Near,
+    params: AssociationParams,
 ) -> tuple[Int32, Bool]:
     """Return the group int32 (N,) that fits each superpoint best, and who agrees with none (N,).
 
     ``segment`` int32 (N, V) the evidence of the superpoints, ``group`` int32 (N,) where they are
-    now, -1 = none; ``owner`` int32 (S,) the group that covers most of each segment.
+    now, -1 = none; ``owner`` int32 (S,) the group that covers most of each segment; ``near`` what
+    some of them border on, which counts as ``contact_views`` more views.
 
     A group fits as its segments do: a view is a vote for the owner of the segment it shows. An
     object whose mask fell into pieces still owns each piece, so votes unite; but things glued
@@ -34,44 +51,45 @@ def consolidated(
     """
     seen = segment != NO_SEGMENT
     voted = np.where(seen, owner[segment], NO_REGION)
-    own = ((voted == group[:, None]) & (voted != NO_REGION)).sum(axis=1)
-    rival, rival_votes = _rivals(voted, group, own)
-    present = _fit(own, seen, segment, group, views, params)
-    other = _fit(rival_votes, seen, segment, rival, views, params)
-    moving = other.score > np.maximum(params.min_score, present.score + params.hold)
-    moving &= other.agreement >= params.tau_detach
-    alone = ~moving & (present.agreement < params.tau_detach)
-    return np.where(moving, rival, group).astype(np.int32), alone
+    one = _candidates(voted, group, near)
+    same, common = views.compare_segments(segment[one.row], one.group)
+    agreement = expected_agreement(same, common)
+    borders = np.zeros(len(group))
+    borders[near.row] = params.contact_views
+    extra = borders[one.row]
+    share = expected_agreement(one.votes + extra * one.share, seen.sum(axis=1)[one.row] + extra)
+    likeness = expected_agreement(same + extra * one.share, common + extra)
+    score = params.vote_weight * share + (1 - params.vote_weight) * likeness
+    present = one.group == group[one.row]
+    held, agreed = (_of_rows(one.row[present], x[present], len(group)) for x in (score, agreement))
+    better = ~present & (score > np.maximum(params.min_score, held[one.row] + params.hold))
+    good = np.flatnonzero(better & (agreement >= params.tau_detach))
+    best = first_of_each(good[np.lexsort((one.group[good], -score[good], one.row[good]))], one.row)
+    target, alone = group.astype(np.int32), agreed < params.tau_detach
+    target[one.row[best]], alone[one.row[best]] = one.group[best], False
+    return target, alone
 
 
-def _fit(
-    votes: Int64,
-    seen: Bool,
-    segment: Int32,
-    group: Int32,
-    views: RegionViews,
-    params: AssociationParams,
-) -> _Fit:
-    agreement = expected_agreement(*views.compare_segments(segment, group))
-    share = expected_agreement(votes, seen.sum(axis=1))
-    score = params.vote_weight * share + (1 - params.vote_weight) * agreement
-    known = group != NO_REGION
-    return _Fit(np.where(known, score, 0.0), np.where(known, agreement, 0.0))
+def _candidates(voted: Int32, present: Int32, near: Near) -> _Candidates:
+    """Return the groups that each superpoint is in, votes for, or borders on."""
+    row, view = np.nonzero(voted != NO_REGION)
+    known = np.flatnonzero(present != NO_REGION)
+    vote, border = _packed(row, voted[row, view]), _packed(near.row, near.group)
+    key = np.unique(np.concatenate((vote, border, _packed(known, present[known]))))
+    return _Candidates(
+        row=key >> _SHIFT,
+        group=(key & _LOW).astype(np.int32),
+        votes=np.bincount(np.searchsorted(key, vote), minlength=len(key)).astype(np.int64),
+        share=np.bincount(np.searchsorted(key, border), near.share, len(key)).astype(np.float64),
+    )
 
 
-def _rivals(voted: Int32, group: Int32, own: Int64) -> tuple[Int32, Int64]:
-    """Return the other group with most votes of each row, int32 (N,), and its votes int64 (N,).
+def _packed(row: Int64, group: Int32) -> Int64:
+    return row << _SHIFT | group.astype(np.int64)
 
-    Rows where no other group has at least as many votes as the present one have no rival. Among
-    equals the lowest number wins, whatever the order of the views.
-    """
-    rival, votes = np.full(len(group), NO_REGION, np.int32), np.zeros(len(group), np.int64)
-    foreign: Bool = (voted != NO_REGION) & (voted != group[:, None])
-    row = np.flatnonzero(foreign.sum(axis=1) >= np.maximum(own, 1))
-    candidate = np.sort(np.where(foreign[row], voted[row], NO_REGION), axis=1)
-    count = (candidate[:, :, None] == candidate[:, None, :]).sum(axis=2, dtype=np.int64)
-    count[candidate == NO_REGION] = 0
-    best = np.argmax(count, axis=1)
-    place = np.arange(len(row))
-    rival[row], votes[row] = candidate[place, best], count[place, best]
-    return rival, votes
+
+def _of_rows(row: Int64, value: Array, count: int) -> Float64:
+    """Return float64 (count,) with the values of distinct rows, 0 elsewhere."""
+    spread = np.zeros(count)
+    spread[row] = value
+    return spread

@@ -5,6 +5,7 @@ import numpy as np
 from sceneq_core.arrays import Bool, Int32, Int64
 from sceneq_core.mapping.agreement import RegionViews, expected_agreement
 from sceneq_core.mapping.association_params import AssociationParams
+from sceneq_core.mapping.borders import Borders
 from sceneq_core.mapping.coverage import NO_REGION, Coverage
 from sceneq_core.mapping.evidence import NO_SEGMENT, Evidence
 
@@ -17,21 +18,26 @@ def detached_parts(
     evidence: Evidence,
     coverage: Coverage,
     views: RegionViews,
+    borders: Borders,
     params: AssociationParams,
 ) -> Int32:
     """Return the detached part int32 (N,) of superpoints that disagree with their ``group``.
 
     A part is what one segment shows of one group in the latest view, and parts are numbered from
     0; superpoints that stay where they are have ``ATTACHED``. A part is detached when it agrees
-    with its group by less than ``tau_detach``, and only those of it go that agree with the part:
-    what agrees with nothing would be no better off. Superpoints without a group (-1) always go.
+    with its group by less than ``tau_detach``, the border between them counted as in merging, and
+    only those of it go that agree with the part: what agrees with nothing would be no better off.
+    Superpoints without a group (-1) always go.
     """
     segment, pixels = evidence.latest(superpoint_id)
     pair, part = np.unique(group.astype(np.int64) << 32 | segment, return_inverse=True)
     former, latest = (pair >> 32).astype(np.int32), pair & ((1 << 32) - 1)
     size = np.bincount(part, pixels, len(pair))
     part_views = _views_of_parts(superpoint_id, part, evidence, coverage, len(pair))
-    apart = _disagree(part_views.segment[:-1], former, views, params)
+    same, common = views.compare_segments(part_views.segment[:-1], former)
+    extra = params.contact_views
+    unbent = extra * borders.openness_of_parts(superpoint_id, part, former)
+    apart = expected_agreement(same + unbent, common + extra) < params.tau_detach
     leaves = (latest != NO_SEGMENT) & (size >= params.min_pixels) & (apart | (former == NO_REGION))
     unlike = _disagree(evidence.segments(superpoint_id), part.astype(np.int32), part_views, params)
     goes = leaves[part] & (~unlike | (group == NO_REGION))

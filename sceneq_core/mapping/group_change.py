@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sceneq_core.arrays import Array, Int32
+from sceneq_core.arrays import Array, Int32, Int64
 from sceneq_core.mapping.merging import Pairs
 
 NO_GROUP = -1
@@ -48,3 +48,20 @@ class Changes:
         named = np.array([*sum(self.founded, ()), *sum(self.merged, ())], np.int32)
         group: Int32 = np.unique(np.concatenate((*self._groups, named)))
         return np.asarray(group[group != NO_GROUP])
+
+
+def deserted(before: Int32, after: Int32, size: Int64) -> Pairs:
+    """Return the groups that are empty now, each with the group most of it moved to.
+
+    ``before`` and ``after`` int32 (N,) are the groups of what moved, ``size`` int64 (G,) counts
+    what is in every group now.
+    """
+    left = np.unique(before[before != NO_GROUP])
+    empty = left[size[left] == 0].tolist()
+    return tuple((group, most_frequent(after[before == group])) for group in empty)
+
+
+def most_frequent(number: Int32) -> int:
+    """Return the number that occurs most often, the lowest among equals."""
+    value, count = np.unique(number, return_counts=True)
+    return int(value[np.argmax(count)])

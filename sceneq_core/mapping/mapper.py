@@ -9,6 +9,7 @@ from sceneq_core.checks import need_at_least, need_positive
 from sceneq_core.frame import Frame
 from sceneq_core.mapping.association import Association
 from sceneq_core.mapping.association_params import AssociationParams
+from sceneq_core.mapping.contacts import contacts_in_view
 from sceneq_core.mapping.correction import (
     Anchors,
     Correction,
@@ -236,7 +237,11 @@ class Mapper:
         superpoint = self._superpoints.of(touched.voxel_id).take(touched.of_point)
         pixel = surface.row * label_image.shape[1] + surface.column
         label = label_image.reshape(-1).take(pixel)
-        return visible_superpoints(superpoint, label, self._params.min_superpoint_pixels)
+        visible = visible_superpoints(superpoint, label, self._params.min_superpoint_pixels)
+        voxel_id = touched.voxel_id.take(touched.of_point)
+        stride_px = self._params.surface.stride_px
+        contacts = contacts_in_view(superpoint, voxel_id, surface, stride_px, self._voxels)
+        return replace(visible, contacts=contacts)
 
     def _members(self, group: int) -> Members:
         superpoint_id = self._association.members(group)

@@ -2,19 +2,35 @@
 
 import numpy as np
 
-from sceneq_core.arrays import Int64
+from sceneq_core.arrays import Bool, Int64
 from sceneq_core.mapping.agreement import RegionViews, expected_agreement
+from sceneq_core.mapping.association_params import AssociationParams
+from sceneq_core.mapping.borders import Borders
 from sceneq_core.mapping.evidence import NO_SEGMENT
 
 Pairs = tuple[tuple[int, int], ...]
 
 
-def merging_pairs(views: RegionViews, tau_merge: float, min_common_views: int) -> Pairs:
-    """Return disjoint pairs of regions that agree by more than ``tau_merge``, the best first."""
+def merging_pairs(
+    views: RegionViews,
+    in_view: Bool,
+    borders: Borders,
+    params: AssociationParams,
+) -> Pairs:
+    """Return disjoint pairs of regions that agree by more than ``tau_merge``, the best first.
+
+    While one of them is in view, bool (R,), it takes ``min_common_views``. Once both are out of
+    view there is nothing to wait for: an unbent border counts as ``contact_views`` more views.
+    """
     first, second = _sharing(views)
     same, common = views.compare(first, second)
     score = expected_agreement(same, common)
-    good = np.flatnonzero((score > tau_merge) & (common >= min_common_views))
+    score[common < params.min_common_views] = 0.0
+    left = np.flatnonzero(~in_view[first] & ~in_view[second])
+    extra = params.contact_views
+    unbent = extra * borders.openness(first[left], second[left])
+    score[left] = expected_agreement(same[left] + unbent, common[left] + extra)
+    good = np.flatnonzero(score > params.tau_merge)
     order = good[np.lexsort((second[good], first[good], -score[good]))]
     pairs: list[tuple[int, int]] = []
     busy: set[int] = set()

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sceneq_core.arrays import Int64
+from sceneq_core.arrays import Bool, Int64
 
 
 class Tally:
@@ -24,6 +24,10 @@ class Tally:
         start = np.flatnonzero(np.append(True, key[1:] != key[:-1])[: len(key)])
         if len(start):
             self._add_distinct(key[start], np.add.reduceat(amount, start))
+
+    def drop(self, row: Bool) -> None:
+        """Forget the keys in marked rows (N,)."""
+        self.key, self.total = self.key[~row], self.total[~row]
 
     def _add_distinct(self, key: Int64, amount: Int64) -> None:
         place = np.searchsorted(self.key, key)

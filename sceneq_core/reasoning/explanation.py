@@ -44,7 +44,11 @@ def why(
     real = order[relative([target.p for target in targets])[order] >= REAL]
     winner = targets[order[0]]
     parts = [_holding(holding, int(order[0]), real) for holding in holdings]
-    alike = f"{counted(len(real), problem.target)}; " if problem.target and len(real) > 1 else ""
+    alike = ""
+    if problem.target and len(real) > 1:
+        sure = sum(targets[i].p for i in real) >= REAL
+        many = counted(len(real), problem.target)
+        alike = f"{many}; " if sure else f"{len(real)} may be '{problem.target}'; "
     return f"{alike}{_named(winner, problem.target or winner.label)} is {listed(parts)}"
 
 

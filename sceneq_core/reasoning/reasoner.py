@@ -134,7 +134,8 @@ class Verdict:
     """What a reasoner found: target ids best first with their probabilities, and why.
 
     The probabilities add up to at most 1; what is missing is "none of them". An empty
-    ``ranking`` = none of the candidates. ``cached``: found for somebody else, who paid for it.
+    ``ranking`` = none of the candidates. ``cached``: found for somebody else, who paid the
+    ``vlm_calls`` and ``usage``; ``billed`` is what remains to be paid.
     """
 
     ranking: tuple[tuple[int, float], ...]
@@ -142,6 +143,11 @@ class Verdict:
     vlm_calls: int
     usage: Usage = NO_USAGE
     cached: bool = False
+
+    @property
+    def billed(self) -> tuple[int, Usage]:
+        """Calls and usage that whoever is told this pays for."""
+        return (0, NO_USAGE) if self.cached else (self.vlm_calls, self.usage)
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,6 +159,11 @@ class LabelVerdict:
     vlm_calls: int
     usage: Usage = NO_USAGE
     cached: bool = False
+
+    @property
+    def billed(self) -> tuple[int, Usage]:
+        """Calls and usage that whoever is told this pays for."""
+        return (0, NO_USAGE) if self.cached else (self.vlm_calls, self.usage)
 
 
 class UnansweredError(Exception):

@@ -1,6 +1,7 @@
 """Relations of each target to the anchor that explains it best."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,7 +18,13 @@ from sceneq_core.reasoning.relations import (
     between,
 )
 from sceneq_core.reasoning.standpoint import Standpoint
-from sceneq_core.reasoning.upright import distance, point_box, upright_axes, upright_box
+from sceneq_core.reasoning.upright import (
+    UprightBox,
+    distance,
+    point_box,
+    upright_axes,
+    upright_box,
+)
 
 
 def relate(
@@ -35,7 +42,8 @@ def relate(
     anchors = anchors_of(problem, constraint.anchor)
     standpoint = Standpoint.of(problem, constraint)
     weight = relative([a.p for a in anchors]) if anchors else np.ones(1)
-    rows = [_row(problem, constraint, one, anchors, standpoint, params) for one in targets]
+    frames = [_Frame.of(problem, anchor, standpoint) for anchor in anchors]
+    rows = [_row(problem, constraint, one, frames, params) for one in targets]
     pairs = np.array(rows) * weight
     best = pairs.argmax(axis=1)
     chosen = tuple(anchors[j] if anchors else None for j in best)
@@ -51,39 +59,45 @@ def relate(
     )
 
 
+@dataclass(frozen=True, slots=True)
+class _Frame:
+    """An anchor with its upright ``axes`` and those of who looks at it, worked out once."""
+
+    anchor: Candidate
+    axes: Float64
+    box: UprightBox
+    seen: Float64
+
+    @classmethod
+    def of(cls, problem: Problem, anchor: Candidate, standpoint: Standpoint) -> "_Frame":
+        axes = upright_axes(anchor.T_world_box, problem.up_world)
+        seen = standpoint.axes(anchor, problem.up_world)
+        return cls(anchor, axes, upright_box(anchor, axes), seen)
+
+    def pair(self, target: Candidate) -> Pair:
+        offset = self.seen @ (target.centre_world - self.anchor.centre_world)
+        return Pair(upright_box(target, self.axes), self.box, offset)
+
+
 def _row(
     problem: Problem,
     constraint: Constraint,
     target: Candidate,
-    anchors: Sequence[Candidate],
-    standpoint: Standpoint,
+    frames: Sequence[_Frame],
     params: RelationParams,
 ) -> list[float]:
     """Score one target against every anchor; a thing is not next to itself."""
     relation = RELATIONS[constraint.relation]
-    if not anchors:
+    if not frames:
         return [relation(_viewer_pair(problem, target), params)]
     return [
         0.0
-        if anchor.instance_id == target.instance_id
+        if frame.anchor.instance_id == target.instance_id
         else with_known(
-            constraint.relation,
-            target,
-            anchor,
-            relation(_pair(problem, target, anchor, standpoint), params),
+            constraint.relation, target, frame.anchor, relation(frame.pair(target), params)
         )
-        for anchor in anchors
+        for frame in frames
     ]
-
-
-def _pair(problem: Problem, target: Candidate, anchor: Candidate, standpoint: Standpoint) -> Pair:
-    axes = upright_axes(anchor.T_world_box, problem.up_world)
-    seen = standpoint.axes(anchor, problem.up_world)
-    return Pair(
-        target=upright_box(target, axes),
-        anchor=upright_box(anchor, axes),
-        offset_viewer=seen @ (target.centre_world - anchor.centre_world),
-    )
 
 
 def _viewer_pair(problem: Problem, target: Candidate) -> Pair:

@@ -67,6 +67,14 @@ class Budget:
         """Return whether ``cost`` is within every limit."""
         return all(amount <= limit for amount, limit, _ in self.limits(cost))
 
+    def capped(self, cost: Cost) -> Cost:
+        """Return ``cost``, or where it is above a limit other than 0, that limit."""
+        return Cost(
+            int(_capped(cost.calls, self.calls_per_hour)),
+            int(_capped(cost.tokens, self.tokens_per_hour)),
+            _capped(cost.money, self.money_per_hour),
+        )
+
     def limits(self, cost: Cost) -> Iterator[tuple[float, float, str]]:
         """Yield amount, limit and name of everything that is limited."""
         for amount, limit, name in (
@@ -161,6 +169,10 @@ class Ledger:
         while self._settled and self._settled[0][0] <= now_s - HOUR_S:
             self._settled.popleft()
             self._settled_sum = None
+
+
+def _capped(amount: float, limit: float | None) -> float:
+    return min(amount, limit) if limit else amount
 
 
 def _share(amount: float, limit: float) -> float:

@@ -1,6 +1,7 @@
 """The few instances a reasoner gets to see."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,11 +20,12 @@ def pose_problem(
     phrase = question.phrase
     anchors = tuple(dict.fromkeys(words for c in phrase.constraints for words in c.things))
     chosen = [
-        _candidates(snapshot, "anchor", words, fits[words], fits[words].order[:top_k])
+        _candidates(snapshot, "anchor", words, _kind(fits[words]), fits[words].order[:top_k])
         for words in anchors
     ]
     rows = _target_rows(snapshot, question, fits)[:top_k]
-    targets = _candidates(snapshot, "target", phrase.target, fits[phrase.target], rows)
+    target = _kind(fits[phrase.target]) if phrase.constraints else fits[phrase.target]
+    targets = _candidates(snapshot, "target", phrase.target, target, rows)
     return Problem(
         text=question.text,
         target=phrase.target,
@@ -48,6 +50,11 @@ def _target_rows(snapshot: SceneSnapshot, question: Question, fits: Mapping[str,
     meant = (around != nearest_to) & (snapshot.columns.role[around] == OBJECT)
     objects: Int64 = around[meant]
     return objects
+
+
+def _kind(fit: Fit) -> Fit:
+    """Return how well the words fit as the name of a kind of things."""
+    return replace(fit, p=fit.p_kind)
 
 
 def _gaps(snapshot: SceneSnapshot, row: int) -> Float64:

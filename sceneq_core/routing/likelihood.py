@@ -16,7 +16,7 @@ from sceneq_core.encoding.colour import COLOUR_TERMS
 from sceneq_core.mapping.delta import OBJECT
 from sceneq_core.routing.attribute_fit import log_excluded, log_size
 from sceneq_core.routing.gate import log_softmax
-from sceneq_core.routing.null import NullParams, evidence
+from sceneq_core.routing.null import NO_EVIDENCE, Evidence, NullParams, evidence_of
 from sceneq_core.routing.question import TextTower, Wanted
 from sceneq_core.routing.scene import SceneSnapshot
 
@@ -46,7 +46,7 @@ class Fit:
     mean cosine with the words; ``order`` (M,) the rows, best first. ``presence`` is the probability
     that there is such a thing when ``calibrated``; else the highest p(words | instance) of the best
     ones, and ``chance`` what it would be if the encoder knew nothing. ``evidence`` is what a
-    calibration judges presence by.
+    calibration judges presence by, at a temperature that is 1 / ``sharpness`` of that of ``p``.
     """
 
     p: Float64
@@ -54,8 +54,19 @@ class Fit:
     order: Int64
     presence: float
     chance: float
-    evidence: float
+    evidence: Evidence
     calibrated: bool = False
+    sharpness: float = 1.0
+
+    @property
+    def p_kind(self) -> Float64:
+        """``p`` at the temperature of the evidence: how much each is of the kind that is named.
+
+        Which one of several mugs is meant by "the mug on the table" is for the relation to say.
+        """
+        p = self.p**self.sharpness
+        total = float(p.sum())
+        return p / total if total > 0 else p
 
     @property
     def p_null(self) -> float:
@@ -75,6 +86,7 @@ class Likelihood:
     ) -> None:
         self._vague_vectors = tower.encode(VAGUE)
         self._temperature = temperature
+        self._evidence_temperature = null.temperature if null else temperature
         self._ceiling = ceiling
         self._null = null
 
@@ -83,30 +95,33 @@ class Likelihood:
         asked = list(wanted.colours)
         noun, common = self._noun_cosine(snapshot, wanted)
         colour = snapshot.columns.colour_scores
-        log_colour = self._log_colours(snapshot, wanted)
+        log_colour = self._log_colours(colour, wanted, self._temperature)
         roles = snapshot.columns.role
         meant = roles == OBJECT
         if wanted.role != OBJECT and (roles == wanted.role).any():
             return self._fit_structure(snapshot, roles == wanted.role, noun, log_colour)
         log_fit = (noun - common).astype(np.float64) / self._temperature + log_colour
         log_fit[~meant] = -np.inf
-        if wanted.sizes:
-            fitting = log_size(snapshot, wanted.sizes, log_fit)
-            log_fit, log_colour = log_fit + fitting, log_colour + fitting
+        fitting = log_size(snapshot, wanted.sizes, log_fit) if wanted.sizes else np.zeros(len(noun))
+        log_fit = log_fit + fitting
         order = np.argsort(-log_fit, kind="stable")[: meant.sum()]
         best = order[:LOOKED_AT]
         rivals = self._rivals(snapshot, wanted, best)
         choices = 1 + rivals.shape[1]
-        log_words = self._log_p(np.column_stack([noun[best], rivals]))[:, 0] + log_colour[best]
-        seen = evidence(log_words, choices)
+        log_said = self._log_colours(colour[best], wanted, self._evidence_temperature)
+        log_said = log_said + fitting[best]
+        log_name = self._log_name(noun[best], rivals)
+        p = np.exp(log_softmax(log_fit)) if meant.any() else np.zeros(len(meant))
+        seen = evidence_of(log_name, log_said, float(p.max()), choices, len(order))
         return Fit(
-            p=np.exp(log_softmax(log_fit)) if meant.any() else np.zeros(len(meant)),
+            p=p,
             cosine=np.column_stack([noun, colour[:, asked]]).mean(axis=1).astype(np.float64),
             order=order,
-            presence=self._presence(wanted, log_words, seen),
+            presence=self._presence(wanted, log_name, log_said, seen),
             chance=1.0 / choices / len(COLOUR_TERMS) ** len(asked) / 2 ** len(wanted.sizes),
             evidence=seen,
             calibrated=self._null is not None,
+            sharpness=self._temperature / self._evidence_temperature,
         )
 
     def each(self, snapshot: SceneSnapshot, wanted: Wanted, rows: Int64) -> Float64:
@@ -114,7 +129,8 @@ class Likelihood:
 
         A coffee table is a table, too: what labels call a kind of it counts, and competes no more.
         """
-        log_said = self._log_colours(snapshot, wanted)
+        colour = snapshot.columns.colour_scores
+        log_said = self._log_colours(colour, wanted, self._evidence_temperature)
         if wanted.vector is None:
             anything: Float64 = np.exp(log_said[rows])
             return anything
@@ -122,25 +138,37 @@ class Likelihood:
             found: Float64 = np.exp(log_said[rows]) * (snapshot.columns.role[rows] == wanted.role)
             return found
         noun, common = self._noun_cosine(snapshot, wanted)
+        log_fit = (noun - common).astype(np.float64) / self._temperature
         if wanted.sizes:
-            log_fit = (noun - common).astype(np.float64) / self._temperature
             log_said = log_said + log_size(snapshot, wanted.sizes, log_fit)
         rivals = self._rivals(snapshot, replace(wanted, rivals=wanted.rivals & ~wanted.kinds), rows)
         kinds = snapshot.label_scores[rows][:, wanted.kinds]
         so_called = np.column_stack([noun[rows], kinds]).max(axis=1)
-        log_words = self._log_p(np.column_stack([so_called, rivals]))[:, 0] + log_said[rows]
-        seen = [evidence(log_words[i : i + 1], 1 + rivals.shape[1]) for i in range(len(rows))]
+        log_name, log_said = self._log_name(so_called, rivals), log_said[rows]
+        log_fit += self._log_colours(colour, wanted, self._temperature)
+        p, sizes = np.exp(log_softmax(log_fit))[rows], (1 + rivals.shape[1], len(snapshot))
+        ones = [(log_name[i : i + 1], log_said[i : i + 1]) for i in range(len(rows))]
+        seen = [evidence_of(*one, float(p[i]), *sizes) for i, one in enumerate(ones)]
         return np.array(
-            [self._presence(wanted, log_words[i : i + 1], one) for i, one in enumerate(seen)]
+            [self._presence(wanted, *one, what) for one, what in zip(ones, seen, strict=True)]
         )
 
-    def _log_colours(self, snapshot: SceneSnapshot, wanted: Wanted) -> Float64:
-        """Return log p (N,) of the colours said, and of none of those excluded."""
+    def _log_colours(self, cosine: Float32, wanted: Wanted, temperature: float) -> Float64:
+        """Return log p (M,) of the colours said, and of none of those excluded.
+
+        ``cosine`` (M, 11) is that with the colours.
+        """
         if not wanted.colours and not wanted.excluded:
-            return np.zeros(len(snapshot))
-        log_p = self._log_p(snapshot.columns.colour_scores)
+            return np.zeros(len(cosine))
+        log_p = log_softmax(cosine.astype(np.float64) / temperature)
         said: Float64 = log_p[:, list(wanted.colours)].sum(axis=1)
         return said + log_excluded(log_p, wanted.excluded)
+
+    def _log_name(self, noun: Float32, rivals: Float32) -> Float64:
+        """Return log p(noun | instance) (M,) from cosines (M,) and those of its rivals (M, R)."""
+        cosines = np.column_stack([noun, rivals]).astype(np.float64)
+        log_name: Float64 = log_softmax(cosines / self._evidence_temperature)[:, 0]
+        return log_name
 
     def _fit_structure(
         self, snapshot: SceneSnapshot, meant: Bool, cosine: Float32, log_colour: Float64
@@ -155,24 +183,30 @@ class Likelihood:
             order=np.argsort(-log_fit, kind="stable")[: meant.sum()],
             presence=float(np.exp(coloured)) * (1.0 if self._null else self._ceiling),
             chance=0.0,
-            evidence=coloured,
+            evidence=NO_EVIDENCE,
             calibrated=self._null is not None,
         )
 
-    def _presence(self, wanted: Wanted, log_words: Float64, seen: float) -> float:
-        """Return the presence from log p(words | instance) of the best, and the evidence in it."""
+    def _presence(
+        self, wanted: Wanted, log_name: Float64, log_said: Float64, seen: Evidence
+    ) -> float:
+        """Return the presence from log p of the best (M,), and the evidence in it.
+
+        Where there is no name, what is said decides alone.
+        """
+        if wanted.vector is None:
+            said = float(np.exp(log_said).max(initial=0.0))
+            alone = not (wanted.colours or wanted.excluded or wanted.sizes)
+            return said if alone or self._null is not None else min(said, self._ceiling)
         if self._null is None:
-            return min(float(np.exp(log_words).max(initial=0.0)), self._ceiling)
-        anything = wanted.vector is None and not wanted.colours
-        return float(len(log_words) > 0) if anything else self._null.presence(seen)
+            best = np.exp(log_name + log_said).max(initial=0.0)
+            return min(float(best), self._ceiling)
+        return self._null.presence(seen)
 
     def _rivals(self, snapshot: SceneSnapshot, wanted: Wanted, rows: Int64) -> Float32:
         """Return the cosines of ``rows`` with everything the noun competes with."""
         labels = snapshot.label_scores[rows][:, wanted.rivals]
         return np.column_stack([labels, snapshot.descriptors[rows] @ self._vague_vectors.T])
-
-    def _log_p(self, cosine: Float32) -> Float64:
-        return log_softmax(cosine.astype(np.float64) / self._temperature)
 
     def _noun_cosine(self, snapshot: SceneSnapshot, wanted: Wanted) -> tuple[Float32, Float32]:
         """Return the cosines (N,) with the noun and, on average, with the label set.

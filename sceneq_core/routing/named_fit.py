@@ -1,5 +1,6 @@
 """What a taught name adds to what the encoder says."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -15,15 +16,15 @@ from sceneq_core.routing.names import GivenName
 def with_name(fit: Fit, given: GivenName) -> Fit:
     """Return ``fit`` for words that are a taught name; the same where the name means nothing.
 
-    A name that holds with p leaves 1 - p to the encoder: p' ~ p_name + (1 - max p_name) p.
+    A name that holds with p leaves 1 - p to what is alike, and that what is left to the encoder:
+    p' ~ p_name + (1 - max p_name) (p_alike + (1 - max p_alike) p).
     """
     if not given.p:
         return fit
-    rows = list(given.p)
-    named = np.zeros(len(fit.p))
-    named[rows] = list(given.p.values())
+    rows = [*given.p, *given.maybe]
+    named, alike = _spread(given.p, len(fit.p)), _spread(given.maybe, len(fit.p))
     surest = float(named.max())
-    p = named + (1.0 - surest) * fit.p
+    p = named + (1.0 - surest) * (alike + (1.0 - alike.max()) * fit.p)
     known = set(fit.order.tolist())
     order = np.concatenate([fit.order, np.array([r for r in rows if r not in known], np.int64)])
     return replace(
@@ -35,12 +36,20 @@ def with_name(fit: Fit, given: GivenName) -> Fit:
 
 
 def with_name_each(p: Float64, rows: Int64, given: GivenName) -> Float64:
-    """Return p (M,) of ``rows`` (M,), each judged by itself, with the name as in ``with_name``."""
+    """Return p (M,) of ``rows`` (M,), each judged by itself: by the name as far as that holds."""
     if not given.p:
         return p
-    named = np.array([given.p.get(row, 0.0) for row in rows.tolist()])
+    told = {**given.maybe, **given.p}
+    named = np.array([told.get(row, 0.0) for row in rows.tolist()])
     each: Float64 = np.minimum(named + (1.0 - max(given.p.values())) * p, 1.0)
     return each
+
+
+def _spread(p: Mapping[int, float], count: int) -> Float64:
+    """Return p (N,) of all rows, 0 where nothing is said."""
+    spread = np.zeros(count)
+    spread[list(p)] = list(p.values())
+    return spread
 
 
 def judged_by_name(

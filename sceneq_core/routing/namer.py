@@ -81,8 +81,8 @@ class Namer:
             confidence=confidence,
             reason=verdict.reason,
             route=REASONED,
-            vlm_calls=verdict.vlm_calls,
-            usage=verdict.usage,
+            vlm_calls=verdict.billed[0],
+            usage=verdict.billed[1],
             cached=verdict.cached,
         )
         return self._with_taught(told, snapshot, row, k)

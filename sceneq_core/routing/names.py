@@ -6,6 +6,9 @@ from dataclasses import dataclass, field
 from sceneq_core.routing.labels import Label
 from sceneq_core.teaching.wording import speaks, spoken
 
+SURE = 0.9
+"""Below this probability an answer says how sure it is that a name is still that of the thing."""
+
 
 @dataclass(frozen=True, slots=True)
 class GivenName:
@@ -13,19 +16,22 @@ class GivenName:
 
     ``p``: row -> probability that the thing is called so. Empty: nothing in this map is what was
     taught (any more), or, ``waiting``, it cannot be answered with yet. ``told`` says by whom and
-    when, in words.
+    when, in words. ``maybe``: rows that are alike, but not enough to be called so.
     """
 
     name: str
     told: str
     p: Mapping[int, float]
+    maybe: Mapping[int, float] = field(default_factory=dict)
     waiting: bool = False
 
     @property
     def reason(self) -> str:
         """Why an answer is what it is, or why the name was of no use."""
         if self.p:
-            return f"'{self.name}' was {self.told}"
+            surest = max(self.p.values())
+            doubt = f", this is it with p {surest:.2f}" if surest < SURE else ""
+            return f"'{self.name}' was {self.told}{doubt}"
         gone = "nothing in this map is that now"
         why = "it was not seen well enough yet" if self.waiting else gone
         return f"'{self.name}' was {self.told}, but {why}"

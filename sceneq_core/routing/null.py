@@ -1,43 +1,79 @@
-"""The candidate "none of them": one more candidate beside the instances, whose logit is calibrated.
+"""The candidate "none of them": one more choice beside the instances, calibrated.
 
 The instances have logits l_i, and p(i) = exp l_i / (exp l_0 + sum exp l_j). The logit of "none" is
-l_0 = log sum exp l_j - (bias + scale * evidence), so that p(none) is a logistic function of the
+l_0 = log sum exp l_j - (bias + weights . evidence), so that p(none) is a logistic function of the
 evidence that there is such a thing at all (J. Platt, "Probabilistic outputs for support vector
 machines", 1999), and which instance is meant does not depend on it.
 """
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 
 from sceneq_core.arrays import Float64
-from sceneq_core.checks import need_at_least, need_within
+from sceneq_core.checks import need_at_least, need_positive, need_within
 
 LEAST, STEEPEST = -1e3, 1e6
 """Limits of evidence and parameters that only keep numbers finite."""
+TINY = np.finfo(np.float64).tiny
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """Logarithms of ratios: no unit, and the same for any number of instances and labels.
+
+    ``name``: p(noun | instance) of the best instance over that of a label picked blindly, 0 = no
+    better; ``said``: p that the best one has the colours and the size that are said, 0 = surely;
+    ``standing``: p of the likeliest instance over that of one picked blindly, 0 = none stands out.
+    """
+
+    name: float
+    said: float
+    standing: float
+
+
+NO_EVIDENCE = Evidence(LEAST, LEAST, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class NullParams:
-    """``scale`` >= 0: more evidence never makes "none" likelier; ``bias``: at evidence 0."""
+    """``temperature`` T of softmax(s / T) that ``name`` and ``said`` are worked out with.
 
-    scale: float
+    The weights of the evidence are >= 0: more of it never makes "none" likelier. ``bias``: the
+    logit of there being such a thing at evidence 0.
+    """
+
+    temperature: float
+    name: float
+    said: float
+    standing: float
     bias: float
 
     def __post_init__(self) -> None:
-        need_at_least(self, 0, "scale")
-        need_within(self, -STEEPEST, STEEPEST, "scale", "bias")
+        need_positive(self, "temperature")
+        need_at_least(self, 0, "name", "said", "standing")
+        need_within(self, -STEEPEST, STEEPEST, "name", "said", "standing", "bias")
 
-    def presence(self, evidence: float) -> float:
+    def presence(self, evidence: Evidence) -> float:
         """Return 1 - p(none)."""
-        return float(0.5 * (1.0 + np.tanh(0.5 * (self.bias + self.scale * evidence))))
+        weights = np.array([self.name, self.said, self.standing])
+        logit = self.bias + float(weights @ np.array(astuple(evidence)))
+        return float(0.5 * (1.0 + np.tanh(0.5 * logit)))
 
 
-def evidence(log_p: Float64, choices: int) -> float:
-    """Return the evidence in log p(words | instance) (M,) of the best instances.
+def evidence_of(
+    log_name: Float64, log_said: Float64, p_max: float, labels: int, instances: int
+) -> Evidence:
+    """Return the evidence in what is known of the best M instances.
 
-    The logarithm of how many of them are called so, as the encoder has it, in units of what a
-    label picked blindly among ``choices`` would make one of them: 0 = as good as picked blindly.
+    ``log_name`` (M,) of p(noun | instance) among ``labels``; ``log_said`` (M,) of p of what else
+    is said; ``p_max`` of the likeliest of all ``instances``.
     """
-    called_so = float(np.logaddexp.reduce(log_p)) if len(log_p) else LEAST
-    return max(called_so + float(np.log(choices)), LEAST)
+    if not len(log_name):
+        return NO_EVIDENCE
+    best = int(np.argmax(log_name + log_said))
+    return Evidence(
+        name=max(float(log_name.max()) + float(np.log(labels)), LEAST),
+        said=max(float(log_said[best]), LEAST),
+        standing=max(float(np.log(max(p_max * instances, TINY))), LEAST),
+    )

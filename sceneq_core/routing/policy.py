@@ -65,7 +65,7 @@ class PolicyParams:
     """
 
     kind: str = "thresholds"
-    min_gain: float = 0.0
+    min_gain: float = 0.02
     price: PriceParams = field(default_factory=PriceParams)
     outlook: OutlookParams = field(default_factory=OutlookParams)
 

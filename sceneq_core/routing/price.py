@@ -10,22 +10,25 @@ from sceneq_core.routing.budget import HOUR_S
 class PriceParams:
     """``first``: the price before anything is known, in probability gained by one answer.
 
-    ``swing``: how much the price rises when a whole hour's budget is spent at once, and falls in
-    an hour without spending. 1 takes it from free to prohibitive: no answer gains more than 1.
+    ``swing``: how much the price rises when a whole hour's budget is spent at once. 1 takes it
+    from free to prohibitive: no answer gains more than 1. ``aim``: the share of the budget that it
+    steers for. Above 0.9, chance empties the budget now and then, and who comes next is refused,
+    however much it was worth.
     """
 
     first: float = 0.1
     swing: float = 1.0
+    aim: float = 0.9
 
     def __post_init__(self) -> None:
-        need_within(self, 0, 1, "first")
-        need_positive(self, "swing")
+        need_within(self, 0, 1, "first", "aim")
+        need_positive(self, "swing", "aim")
 
 
 class Price:
     """The dual variable of "spend no faster than the budget comes in", by subgradient steps.
 
-    Every answer moves it by swing x (share of the budget spent - share of the hour passed), so it
+    Every answer moves it by swing x (share of the budget spent - aim x hours passed), so it
     settles where the questions that are worth it use the budget up, whatever they are like and
     however many come. S. Balseiro, Y. Gur, Learning in Repeated Auctions with Budgets (adaptive
     pacing), Management Science 2019, DOI 10.1287/mnsc.2018.3174.
@@ -41,7 +44,8 @@ class Price:
         if self._at_s is None:
             self._at_s = now_s
         passed_s = max(0.0, now_s - self._at_s)
-        return max(0.0, self._price - self._params.swing * passed_s / HOUR_S)
+        fallen = self._params.swing * self._params.aim * passed_s / HOUR_S
+        return max(0.0, self._price - fallen)
 
     def spend(self, share: float, now_s: float) -> None:
         """Raise it: ``share`` of an hour's budget was spent."""

@@ -24,8 +24,8 @@ class Wanted:
     ``vector`` float32 (D,) of the words without colours, ``None`` = any thing; ``colours`` are
     rows of ``COLOUR_TERMS`` that it has, ``excluded`` those that it has not, ``sizes`` words of
     ``SIZE_WORDS``; ``rivals`` bool (C,) marks the labels that mean something else, ``kinds`` (C,)
-    those that name a kind of it. ``role`` is that of the instances they may mean: objects, or the
-    part of the building named.
+    those that name a kind of it, ``noun`` is the word itself. ``role`` is that of the instances
+    they may mean: objects, or the part of the building named.
     """
 
     vector: Float32 | None
@@ -35,6 +35,7 @@ class Wanted:
     role: str = OBJECT
     excluded: tuple[int, ...] = ()
     sizes: tuple[str, ...] = ()
+    noun: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +104,9 @@ class Reader:
             return Wanted(None, colours, nobody, nobody, OBJECT, excluded, sizes)
         vector = self._tower.encode([noun])[0]
         kinds = np.array([label.endswith(f" {noun}") for label in self._row], np.bool_)
-        return Wanted(vector, colours, self._rivals(noun, vector), kinds, role, excluded, sizes)
+        return Wanted(
+            vector, colours, self._rivals(noun, vector), kinds, role, excluded, sizes, noun
+        )
 
     def _rivals(self, noun: str, vector: Float32) -> Bool:
         """A label that means the same, or whose words end the noun's, speaks for it."""

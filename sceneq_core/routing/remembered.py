@@ -27,10 +27,11 @@ from sceneq_core.reasoning.reasoner import (
     Verdict,
 )
 from sceneq_core.reasoning.relations import VIEWER_RELATIVE
-from sceneq_core.reasoning.superlatives import COMPARED_TO_ANCHOR
+from sceneq_core.reasoning.superlatives import COMPARED_TO_ANCHOR, SIDEWAYS, SUPERLATIVES
 
 V = TypeVar("V", bound=Verdict | LabelVerdict)
 
+SIZES = tuple(name for name in SUPERLATIVES if name not in COMPARED_TO_ANCHOR)
 COMPARED_BY_TOLERANCE = ("text", "candidates", "labels", "views", "up_world", "viewpoint_world")
 NOT_COMPARED = ("time_s", "may_spend")
 """How long the asker waits and what it may cost do not change what is right."""
@@ -77,7 +78,7 @@ class Remembered(Generic[V]):
             self._known.popitem(last=False)
 
     def recall(self, problem: Problem | LabelProblem) -> V | None:
-        """Return the verdict if it still holds, at no cost; one that does not is forgotten."""
+        """Return the verdict, cached, if it still holds; one that does not is forgotten."""
         key = question_of(problem)
         if key not in self._known:
             return None
@@ -87,12 +88,7 @@ class Remembered(Generic[V]):
             del self._known[key]
             return None
         self._known.move_to_end(key)
-        return free(verdict)
-
-
-def free(verdict: V) -> V:
-    """Return the verdict as told to somebody who did not pay for it."""
-    return replace(verdict, vlm_calls=0, usage=NO_USAGE, cached=True)
+        return replace(verdict, cached=True)
 
 
 def question_of(problem: Problem | LabelProblem) -> str:
@@ -121,7 +117,8 @@ def still_holds(
 def needs_viewpoint(problem: Problem) -> bool:
     """Return whether the answer depends on where the camera is."""
     return any(
-        c.relation in VIEWER_RELATIVE or (not c.anchor and c.relation in COMPARED_TO_ANCHOR)
+        c.relation in (*VIEWER_RELATIVE, *SIDEWAYS)
+        or (not c.anchor and c.relation not in SIZES)  # without an anchor the viewer is it
         for c in problem.constraints
     )
 

@@ -1,6 +1,6 @@
 """An answer in the form that was asked for: numbers, stamps and places beside the ranking."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from sceneq_core.mapping.delta import REMOVED
@@ -43,28 +43,29 @@ class Report:
 
 
 class Reporter:
-    """Reports on answers; ``fits`` says how well every thing of a question fits the instances."""
+    """Reports on answers."""
 
-    def __init__(
-        self,
-        fits: Callable[[SceneSnapshot, Question], Mapping[str, Fit]],
-        judge: Judge,
-        counter: Counter,
-    ) -> None:
-        self._fits = fits
+    def __init__(self, judge: Judge, counter: Counter) -> None:
         self._judge = judge
         self._counter = counter
 
     def report(
-        self, kind: str, snapshot: SceneSnapshot, question: Question, answer: Answer
+        self,
+        kind: str,
+        snapshot: SceneSnapshot,
+        question: Question,
+        answer: Answer,
+        fits: Mapping[str, Fit],
     ) -> Report:
-        """Return the report on an answer that was given from ``snapshot``."""
+        """Return the report on an answer that was given from ``snapshot``.
+
+        ``fits`` says how well every thing of the question fits the instances; none in an empty map.
+        """
         if not len(snapshot):
             exists = NO if kind == EXISTS else ""
             return Report(kind, question, answer, exists=exists, missing=_words(question))
         if kind not in (*LISTING, EXISTS) and answer.status != NOT_FOUND:
             return Report(kind, question, answer, where=_where(snapshot, answer))
-        fits = self._fits(snapshot, question)
         missing = next((words for words, fit in fits.items() if self._judge.absent(fit)), None)
         tally = (
             self._counter.count(snapshot, question, fits) if kind in (*LISTING, EXISTS) else None

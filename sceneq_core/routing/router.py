@@ -58,13 +58,15 @@ class Routed:
     """The encoder's answer, whether it is ``enough``, and the problem for a reasoner if it is not.
 
     ``presence`` is the least of all things that are spoken of, anchors included. ``pose`` returns
-    the problem; there is none in an empty map.
+    the problem; there is none in an empty map. ``fits`` says how well every thing that is spoken of
+    fits the instances.
     """
 
     answer: Answer
     enough: bool
     presence: float
     pose: Callable[[], Problem | None]
+    fits: Mapping[str, Fit] = field(default_factory=dict)
 
     @property
     def problem(self) -> Problem | None:
@@ -99,7 +101,7 @@ class Router:
         self._likelihood = Likelihood(tower, encoder.temperature, encoder.ceiling, params.null)
         counter = Counter(self._likelihood, params.judge.min_claim)
         self.pictures = PictureMatcher(labeller, self._judge, encoder.temperature)
-        self.reporter = Reporter(self.fits, self._judge, counter)
+        self.reporter = Reporter(self._judge, counter)
 
     def read(self, text: str, *, many: bool = False) -> Question:
         """Return the question in ``text``: the only step that runs the text tower.
@@ -141,6 +143,7 @@ class Router:
             enough=status != AMBIGUOUS,
             presence=min(fit.presence for fit in fits.values()),
             pose=cache(partial(pose_problem, snapshot, question, fits, self.params.top_k)),
+            fits=fits,
         )
 
     def fits(self, snapshot: SceneSnapshot, question: Question) -> dict[str, Fit]:
@@ -163,8 +166,8 @@ class Router:
             fast,
             route=REASONED,
             reason=verdict.reason,
-            vlm_calls=verdict.vlm_calls,
-            usage=verdict.usage,
+            vlm_calls=verdict.billed[0],
+            usage=verdict.billed[1],
             cached=verdict.cached,
         )
         if not verdict.ranking:
@@ -176,10 +179,12 @@ class Router:
         known = self._judge.claims(routed.presence, max(p for _, p in verdict.ranking))
         sure = known and self._judge.accepts(confidence)
         doubt = "" if known else "; but the encoder is not sure that these are such things"
+        # Who has not looked cannot tell that there is one after all.
+        absent = fast.status == NOT_FOUND and not verdict.vlm_calls
         return replace(
             told,
             reason=verdict.reason + doubt,
-            status=FOUND if sure else AMBIGUOUS,
+            status=NOT_FOUND if absent else FOUND if sure else AMBIGUOUS,
             matches=tuple(matches_of_ranking(snapshot, routed.problem, ranking)),
             confidence=confidence,
         )

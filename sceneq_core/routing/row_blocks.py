@@ -41,7 +41,8 @@ class RowBlocks:
             IndexError: there are not so many rows.
         """
         if isinstance(rows, int):
-            return self[np.array([rows], np.int64)][0]
+            row: Float32 = self[np.array([rows], np.int64)][0]
+            return row
         if len(rows) and not 0 <= rows.min() <= rows.max() < len(self):
             raise IndexError(f"rows {rows.min()} to {rows.max()} of {len(self)}")
         number = np.searchsorted(self._starts, rows, side="right") - 1

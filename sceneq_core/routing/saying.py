@@ -8,8 +8,13 @@ from sceneq_core.reasoning.reasoner import Constraint
 from sceneq_core.reasoning.superlatives import COMPARED_TO_ANCHOR, SIDEWAYS, SUPERLATIVES
 from sceneq_core.routing.answer import FOUND, NOT_FOUND, Match
 from sceneq_core.routing.forms import COUNT, EXISTS, PICTURE, WHAT, WHEN
+from sceneq_core.routing.labels import TAUGHT
 from sceneq_core.routing.phrase import Phrase
 from sceneq_core.routing.report import NO, YES, Report
+from sceneq_core.teaching.wording import INDIVIDUAL, kind_of, spoken
+
+CLEAR = 0.5
+"""From this margin on the doubt is not which one it is, but whether it is such a thing."""
 
 SPOKEN = 5
 """So many things are listed by name; of the rest the number."""
@@ -52,9 +57,19 @@ def _which(report: Report, now_ns: int) -> str:
     if report.answer.status == NOT_FOUND:
         return _nothing(report) + _gone(report, now_ns)
     if report.answer.status == FOUND:
-        return f"The {wanted} ({best.instance.instance_id}) is {_place(report)}."
-    likeliest = f"the likeliest ({best.instance.instance_id}), with p {best.p:.2f}"
-    return f"Not sure which {wanted}: {likeliest}, is {_place(report)}.{_gone(report, now_ns)}"
+        return f"{_the(best, wanted)} ({best.instance.instance_id}) is {_place(report)}."
+    number, after = best.instance.instance_id, _gone(report, now_ns)
+    if report.answer.confidence.margin >= CLEAR:
+        return f"Perhaps {_place(report)}: {number} stands out, but may be no {wanted}.{after}"
+    likeliest = f"the likeliest ({number}), with p {best.p:.2f}"
+    return f"Not sure which {wanted}: {likeliest}, is {_place(report)}.{after}"
+
+
+def _the(best: Match, wanted: str) -> str:
+    """Name what is meant; a taught name of one thing is said as it was taught."""
+    name = best.instance.label.name
+    own = best.instance.label.source == TAUGHT and spoken(name) == wanted
+    return _capital(name) if own and kind_of(name) == INDIVIDUAL else f"The {wanted}"
 
 
 def _like(report: Report) -> str:
@@ -67,11 +82,13 @@ def _like(report: Report) -> str:
 
 def _how_many(report: Report) -> str:
     tally, phrase = report.tally, report.question.phrase
-    if tally is None or report.answer.status == NOT_FOUND:
+    if tally is None or report.missing:
         return _nothing(report)
     noun = phrase.target or "thing"
     place = "".join(f" {_relation(c)}" for c in phrase.constraints if not _is_adjective(c))
     possible = len(tally.possible)
+    if not tally.matches:
+        return f"No {noun}{place}, as far as the map shows."
     if not tally.sure:
         return f"No {noun}{place} for sure, possibly up to {possible}."
     more = f", and possibly {possible} more" if possible else ""

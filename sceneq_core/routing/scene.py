@@ -12,6 +12,7 @@ from sceneq_core.mapping.delta import OBJECT, REMOVED, TENTATIVE, Instance
 from sceneq_core.routing.columns import Columns, columns_of, joined
 from sceneq_core.routing.described import Described, Matrices, describe, stacked
 from sceneq_core.routing.labels import Label, Labeller
+from sceneq_core.routing.measured import Measured
 from sceneq_core.routing.names import NO_NAMES, Names
 from sceneq_core.routing.past import Gone, Past
 from sceneq_core.routing.row_blocks import RowBlocks
@@ -130,6 +131,7 @@ class Scene:
         self._pages: dict[int, _Page] = {}
         self._stale: set[int] = set()
         self._past = Past()
+        self._measured = Measured(labeller)
 
     def apply_map(
         self, revision: Revision, instances: Iterable[Instance], up_world: Float64, *, full: bool
@@ -141,7 +143,8 @@ class Scene:
             self._past.clear()
         if full:
             self._geometry = {}
-        for instance in instances:
+        changed = tuple(instances)
+        for instance in changed:
             self._stale.add(instance.instance_id // PAGE)
             if instance.state != REMOVED:
                 self._geometry[instance.instance_id] = instance
@@ -150,14 +153,18 @@ class Scene:
                 self._leave(instance, revision.stamp_ns)
         self._revision = revision
         self._up_world = _unit(up_world, self._up_world)
+        there = [one for one in changed if one.state != REMOVED]
+        if self._measured.see(there, self._up_world, full=full):
+            self._forget_pages()
 
     def _leave(self, removed: Instance, stamp_ns: int) -> None:
         """Take an instance out of the map; what was only merged into another is not gone."""
         key = removed.instance_id
         if key in self._geometry and not removed.merged_into and self._answerable(key):
-            gone = Gone(self._geometry[key], self._views[key], self._described[key])
+            gone = Gone(self._geometry[key], self._views[key], self._measured_of(key))
             self._past.keep(gone, stamp_ns)
         self._geometry.pop(key, None)
+        self._measured.forget(key)
 
     def apply_views(self, map_epoch: int, views: Mapping[int, tuple[ViewRef, ...]]) -> None:
         """Take over changed views by instance id, computed against the map of ``map_epoch``."""
@@ -205,6 +212,7 @@ class Scene:
         self._geometry = dict(other._geometry)
         self._views = dict(other._views)
         self._views_epoch = other._views_epoch
+        self._measured.see(self._geometry.values(), self._up_world, full=True)
         self._forget_pages()
 
     def accepts(self, descriptor: Float32) -> bool:
@@ -263,10 +271,13 @@ class Scene:
 
     def _matrices(self, ids: Sequence[int], before: Matrices | None) -> Matrices:
         """Stack what is known of ``ids``; most changes of a map change nothing here."""
-        described = tuple(self._described[key] for key in ids)
+        described = tuple(self._measured_of(key) for key in ids)
         if before is not None and before.described == described:
             return before
         return stacked(described, self._labeller)
+
+    def _measured_of(self, key: int) -> Described:
+        return self._measured.of(self._described[key], self._geometry[key])
 
     def _answerable(self, instance_id: int) -> bool:
         if self._geometry[instance_id].state == TENTATIVE:
@@ -276,7 +287,7 @@ class Scene:
 
     def _label(self, instance_id: int) -> Label:
         """Return what an instance is called; what is part of the building is called by its role."""
-        label, role = self._described[instance_id].label, self._geometry[instance_id].role
+        label, role = self._measured_of(instance_id).label, self._geometry[instance_id].role
         return label if role == OBJECT else Label(role, self._labeller.ceiling, label.cosine)
 
 

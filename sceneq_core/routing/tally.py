@@ -1,22 +1,27 @@
 """How many there are, and which: every instance judged by itself, not against the others."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sceneq_core.arrays import Int64
 from sceneq_core.reasoning.geometric import GeometricParams, GeometricReasoner
+from sceneq_core.reasoning.reasoner import Problem
 from sceneq_core.routing.answer import Match
 from sceneq_core.routing.candidates import pose_problem
 from sceneq_core.routing.likelihood import Fit, Likelihood
 from sceneq_core.routing.matches import MAX_MATCHES
 from sceneq_core.routing.named_fit import with_name_each
-from sceneq_core.routing.question import Question
+from sceneq_core.routing.question import Question, Wanted
 from sceneq_core.routing.scene import SceneSnapshot
 
 POSSIBLE = 0.1
-"""Below this probability an instance is not even possibly one of those asked for."""
+"""Below this probability an instance is not even possibly one of those asked for, unless it is
+called so all the same: the count must not contradict the labels."""
+
+ANCHORS = 3
+"""Of the things that an anchor may be, the likeliest are looked at."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,15 +57,18 @@ class Counter:
         """Return those among the ``MAX_MATCHES`` likeliest that fit words and relations."""
         target = fits[question.phrase.target]
         rows, holds = self._holding(snapshot, question, fits)
-        p = self._likelihood.each(snapshot, question.wanted[question.phrase.target], rows)
+        wanted = question.wanted[question.phrase.target]
+        p = self._likelihood.each(snapshot, wanted, rows)
         given = snapshot.names.meant(question.phrase.target, question.text)
         p = with_name_each(p, rows, given) if given else p
+        so_called = [_is_called(snapshot, int(row), wanted) for row in rows]
+        possible = np.where(so_called, np.minimum(p, POSSIBLE), POSSIBLE)
         p = p * [holds.get(snapshot.instances[row].instance_id, 1.0) for row in rows]
         order = np.argsort(-p, kind="stable")
         found = [
             Match(snapshot.instances[rows[i]], float(p[i]), float(target.cosine[rows[i]]))
             for i in order
-            if p[i] >= POSSIBLE
+            if p[i] >= possible[i]
         ]
         sure = tuple(one for one in found if one.p >= self._min_claim)
         return Tally(sure, tuple(found[len(sure) :]), float(sum(one.p for one in found)))
@@ -73,7 +81,24 @@ class Counter:
         if not question.phrase.constraints:
             return rows, {}
         problem = pose_problem(snapshot, question, fits, MAX_MATCHES)
-        holds = self._geometry.holds(problem)
+        holds = self._geometry.holds(_with_few_anchors(problem))
         found = [snapshot.find(instance_id) for instance_id in holds]
         rows = np.array([row for row in found if row is not None], np.int64)
         return rows, holds
+
+
+def _is_called(snapshot: SceneSnapshot, row: int, wanted: Wanted) -> bool:
+    """Whether the label of an instance is what is asked for, or a kind of it."""
+    if not wanted.noun or wanted.colours or wanted.excluded or wanted.sizes:
+        return False
+    return f" {snapshot.instances[row].label.name}".endswith(f" {wanted.noun}")
+
+
+def _with_few_anchors(problem: Problem) -> Problem:
+    """Return the problem with the ``ANCHORS`` likeliest candidates of every other thing."""
+    kept, seen = [], dict.fromkeys((c.words for c in problem.candidates), 0)
+    for candidate in problem.candidates:
+        seen[candidate.words] += candidate.role == "anchor"
+        if candidate.role == "target" or seen[candidate.words] <= ANCHORS:
+            kept.append(candidate)
+    return replace(problem, candidates=tuple(kept))

@@ -8,7 +8,7 @@ from sceneq_core.mapping.delta import REMOVED, Instance
 from sceneq_core.routing.scene import SceneSnapshot
 from sceneq_core.teaching.album import Album
 from sceneq_core.teaching.finding import find_again, instance_in
-from sceneq_core.teaching.taught import Spot, Taught
+from sceneq_core.teaching.taught import Looks, Spot, Taught
 from sceneq_core.teaching.wording import INDIVIDUAL, spoken
 
 MAX_NAMES = 1000
@@ -21,7 +21,8 @@ class BookParams:
     When the map starts again, ids mean nothing: what was taught is the instance most probably the
     same by place and looks. With ``min_again`` it is shown as that, with ``sure_again`` it is
     written down. ``moved_m``: how far a thing moves until its new place is written down, metres.
-    ``min_alike``: what a look-alike needs to inherit the name of a category.
+    ``min_alike``: what a look-alike needs to inherit the name of a category; from ``maybe_alike``
+    on it is counted as possibly one and ranked behind.
     """
 
     certainty: float = 0.99
@@ -29,10 +30,11 @@ class BookParams:
     sure_again: float = 0.9
     moved_m: float = 0.2
     min_alike: float = 0.5
+    maybe_alike: float = 0.1
 
     def __post_init__(self) -> None:
         need_between(self, 0, 1, "certainty")
-        need_within(self, 0, 1, "min_again", "sure_again", "min_alike")
+        need_within(self, 0, 1, "min_again", "sure_again", "min_alike", "maybe_alike")
         need_at_least(self, 0, "moved_m")
 
 
@@ -54,7 +56,8 @@ class NameBook:
         self.params = params
         self._taught: dict[int, Taught] = {}
         self._held: dict[int, Held] = {}
-        self._unkept: set[int] = set()
+        self._moved: set[int] = set()
+        self._seen_anew: set[int] = set()
         self._next = 1
 
     @property
@@ -110,7 +113,8 @@ class NameBook:
         for one in names:
             del self._taught[one.number]
             self._held.pop(one.number, None)
-            self._unkept.discard(one.number)
+            self._moved.discard(one.number)
+            self._seen_anew.discard(one.number)
 
     def follow(self, map_epoch: int, instances: Iterable[Instance]) -> None:
         """Stick to what an instance was merged into."""
@@ -138,11 +142,19 @@ class NameBook:
             self._hold(one, instance, p)
             if instance is not None and p >= self.params.sure_again:
                 self._move(one, Spot.of(instance, epoch))
+                self._look_anew(one.number, album.looks_of(instance.instance_id))
 
-    def take_changes(self) -> tuple[Taught, ...]:
+    def take_moved(self) -> tuple[Taught, ...]:
         """Return the names whose instance or place changed since the last call."""
-        changed = tuple(self._taught[number] for number in sorted(self._unkept))
-        self._unkept.clear()
+        return self._take(self._moved)
+
+    def take_seen_anew(self) -> tuple[Taught, ...]:
+        """Return the names whose looks are those of another encoder since the last call."""
+        return self._take(self._seen_anew)
+
+    def _take(self, numbers: set[int]) -> tuple[Taught, ...]:
+        changed = tuple(self._taught[number] for number in sorted(numbers))
+        numbers.clear()
         return changed
 
     def _hold(self, one: Taught, instance: Instance | None, p: float) -> None:
@@ -160,7 +172,14 @@ class NameBook:
 
     def _stand(self, one: Taught, spot: Spot) -> None:
         self._taught[one.number] = replace(one, spot=spot)
-        self._unkept.add(one.number)
+        self._moved.add(one.number)
+
+    def _look_anew(self, number: int, looks: Looks | None) -> None:
+        """After a change of the encoder, know what was taught as the new one sees it."""
+        one = self._taught[number]
+        if looks is not None and looks.model_id != one.looks.model_id:
+            self._taught[number] = replace(one, looks=looks)
+            self._seen_anew.add(number)
 
 
 def _replaces(new: Taught, old: Taught) -> bool:

@@ -25,7 +25,7 @@ def find_again(taught: Taught, snapshot: SceneSnapshot, album: Album) -> tuple[I
     """
     columns = snapshot.columns
     overlap = box_overlap(taught.spot.aabb_world, columns.aabb_world)
-    cosine = album.cosines(taught, columns.instance_id.tolist())
+    cosine = album.cosines(taught, columns.instance_id.astype(np.int64))
     p = np.where(overlap > 0, album.judgement.of_same(overlap, cosine), 0.0)
     best = int(np.argmax(p))
     return snapshot.instances[best].geometry, float(p[best])

@@ -17,6 +17,9 @@ from sceneq_core.teaching.wording import CATEGORY, INDIVIDUAL, spoken, thing_of
 LIKE = "like "
 """What a look-alike of an individual is called at most: "like aunt Mary's mug"."""
 
+MAX_HEIRS = 200
+"""No more look-alikes inherit one name, the surest do: to an encoder all may look alike."""
+
 
 def names_in(snapshot: SceneSnapshot, book: NameBook, album: Album) -> Names:
     """Return what is called how in ``snapshot``.
@@ -47,7 +50,7 @@ class _Reading:
         self._book = book
         self._album = album
         self._find = snapshot.find
-        self._ids = snapshot.columns.instance_id.tolist()
+        self._ids = snapshot.columns.instance_id.astype(np.int64)
         self._is_object = snapshot.columns.role == OBJECT
         self._given: dict[str, list[GivenName]] = {}
         self._called: _Ranked = {}
@@ -61,16 +64,18 @@ class _Reading:
         for row, held in p.items():
             rank = (0 if newest.kind == INDIVIDUAL else 1, -newest.number)
             _add(self._called, row, rank, Label(newest.name, held, 1.0, TAUGHT))
+        maybe: dict[int, float] = {}
         for row, alike, cosine in self._alike(group, set(p)):
             if newest.kind == INDIVIDUAL:
                 label = Label(LIKE + newest.name, alike, cosine, INHERITED)
                 _add(self._like, row, (0, -alike), label)
             elif row not in self._has_category:
-                p[row] = alike
+                inherits = alike >= self._book.params.min_alike
+                (p if inherits else maybe)[row] = alike
                 label = Label(newest.name, alike, cosine, INHERITED)
-                _add(self._called, row, (2, -alike), label)
+                _add(self._called if inherits else self._like, row, (2, -alike), label)
         waiting = any(self._book.held(one) for one in group)
-        given = GivenName(newest.name, newest.told, p, waiting)
+        given = GivenName(newest.name, newest.told, p, maybe, waiting)
         self._given.setdefault(thing_of(newest.name), []).append(given)
 
     def names(self) -> Names:
@@ -100,11 +105,12 @@ class _Reading:
         """Yield the rows that look like what was taught: p and cosine of the closest example."""
         compared = [self._album.cosines(one, self._ids) for one in group]
         cosines = [one for one in compared if one is not None]
-        if not cosines or not self._ids:
+        if not cosines or not len(self._ids):
             return
         cosine = np.max(cosines, axis=0)
         p = np.minimum(self._album.judgement.of_category(cosine), self._book.params.certainty)
-        for row in np.flatnonzero((p >= self._book.params.min_alike) & self._is_object).tolist():
+        heirs = np.flatnonzero((p >= self._book.params.maybe_alike) & self._is_object)
+        for row in heirs[np.argsort(-p[heirs], kind="stable")][:MAX_HEIRS].tolist():
             if row not in taught:
                 yield row, float(p[row]), float(cosine[row])
 

@@ -48,8 +48,8 @@ def clean_name(text: str) -> str:
     if read.constraints:
         relation = read.constraints[0].relation.replace("_", " ")
         raise ValueError(f"name: {name!r} reads as a relation ({relation!r}): use other words")
-    if not read.target:
-        raise ValueError(f"name: {name!r} could be anything: use other words")
+    if not read.target or phrase.read(f"where is {name}") != read:
+        raise ValueError(f"name: {name!r} could be anything to a question: use other words")
     return name
 
 

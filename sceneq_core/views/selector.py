@@ -44,7 +44,7 @@ class ViewSelector:
     def __init__(self, params: ViewParams | None = None, places: Places | None = None) -> None:
         """Take what says which place a pixel shows; by default its voxel does."""
         self._params = params or ViewParams()
-        self._replica = MapReplica()
+        self.replica = MapReplica()
         self.places = Places() if places is None else places
         self._instance_of_place: Int32 = np.zeros(1, np.int32)
         self._sightings: dict[int, Sightings] = {}
@@ -64,7 +64,7 @@ class ViewSelector:
 
     def follow(self, delta: MapDelta) -> None:
         """Take over a change of the map, or all of it; raise ``ValueError`` like ``observe``."""
-        self._replica.apply(delta)
+        self.replica.apply(delta)
         moved_from = self.places.of(delta.moved_from_id)
         if delta.full:
             self.places.forget_voxels()
@@ -82,7 +82,7 @@ class ViewSelector:
             self._forget(frame.seq)
         for seq in self.archive.make_room():
             self._forget(seq)
-        place = self.places.render(frame, self._replica.voxel_size_m)
+        place = self.places.render(frame, self.replica.voxel_size_m)
         keyframe = make_keyframe(frame, place)
         self.archive.add(keyframe)
         sightings = find_sightings(keyframe, self._instance_of_place)
@@ -111,7 +111,6 @@ class ViewSelector:
     def parts(self) -> dict[str, Any]:
         """Return what is kept beside the keyframes, the places and the map."""
         return {
-            "instance_of_place": self._instance_of_place,
             "sightings": self._sightings,
             "view_sets": self._view_sets,
             "concerned": self._concerned,
@@ -119,14 +118,21 @@ class ViewSelector:
         }
 
     def resume(
-        self, keyframes: Mapping[int, Keyframe], place_coords: Int32, parts: Mapping[str, Any]
+        self,
+        keyframes: Mapping[int, Keyframe],
+        place_coords: Int32,
+        replica: MapReplica,
+        parts: Mapping[str, Any],
     ) -> None:
-        """Become the selector whose ``parts`` these are; the map has yet to be told, in full.
+        """Become the selector whose ``parts`` these are, with its map as of then.
 
         A keyframe that is not among ``keyframes`` any more is let go of, with what was seen in it.
         """
         self.places.extend(place_coords)
-        self._instance_of_place = parts["instance_of_place"]
+        self.replica = replica
+        alive = np.flatnonzero(replica.alive).astype(np.int32)
+        self.places.learn(alive, replica.voxel_coord[alive])
+        self._instance_of_place = self.places.instance_of_place(replica)
         self._sightings, self._view_sets = parts["sightings"], parts["view_sets"]
         self._concerned = parts["concerned"]
         self.archive.resume(keyframes, parts["archive"])
@@ -135,7 +141,7 @@ class ViewSelector:
 
     def _recount(self) -> None:
         """Count again where keyframes show places that changed their instance."""
-        before, now = self._instance_of_place, self.places.instance_of_place(self._replica)
+        before, now = self._instance_of_place, self.places.instance_of_place(self.replica)
         self._instance_of_place = now
         changed = _differs(before, now)
         blocks = changed_blocks(changed)
@@ -148,7 +154,7 @@ class ViewSelector:
     def _move(self, from_place: Int32, to_place: Int32) -> None:
         """Let keyframes show surfaces where they are since a correction of poses."""
         place_now = self.places.moves(from_place, to_place)
-        self._instance_of_place = self.places.instance_of_place(self._replica)
+        self._instance_of_place = self.places.instance_of_place(self.replica)
         for keyframe in tuple(self.archive):
             moved = keyframe.moved(place_now)
             self.archive.add(moved)
@@ -163,7 +169,7 @@ class ViewSelector:
 
     def _choose(self, instance_id: int) -> tuple[int, ...]:
         """Return the seqs of the best keyframes of an instance, best first."""
-        instance = self._replica.instances.get(instance_id)
+        instance = self.replica.instances.get(instance_id)
         shown = [k for k in self.archive if instance_id in self._sightings[k.seq].visible_px]
         if instance is None or not shown:
             return ()

@@ -71,11 +71,14 @@ def test_questions_are_measured_beside_a_bare_get(options: Options) -> None:
     measured = {one.name: one for one in query(options)}
     assert set(measured) == {
         "answer",
-        "question asked before, p50",
-        "question asked before, p99",
-        "new question, p50",
-        "new question, p99",
+        *(
+            f"{question}{when}, {share}"
+            for question in ("question asked before", "new question")
+            for when in ("", " while mapping at 10/s")
+            for share in ("p50", "p99")
+        ),
     }
+    assert measured["new question, p50"].beside == "bare get + text tower"
     assert all(one.value > 0 for one in measured.values())
     assert 0.2 < measured["answer"].value < 100
 

@@ -60,7 +60,8 @@ def test_retrieval_asks_about_the_map_and_the_truth(place):
 
 def test_calibration_is_fitted_used_and_told_apart(place):
     before = measured(place, "calibration", place / "room")
-    assert [task["choices"] for task in before["tasks"]] == ["instances", "custom", "own"]
+    choices = [task["choices"] for task in before["tasks"]]
+    assert choices == ["instances", "custom", "own", "instances"]
     out = place / "fitted.json"
     graph = ("--graph", place / "graph.yaml")
     code, _, errors = sceneq(
@@ -72,7 +73,10 @@ def test_calibration_is_fitted_used_and_told_apart(place):
     after = measured(place, "calibration", place / "room", "--calibration", out)
     assert after["fitted_on"] == ["room"]
     assert after["temperature"] == fitted["temperature"]
-    assert after["tasks"][0]["nll"] <= before["tasks"][0]["nll"] + before["tasks"][1]["nll"]
+    assert after["calibration"].startswith("hash-v1:")
+    assert after["tasks"][3]["nll"] <= before["tasks"][3]["nll"] + 1e-6
+    assert fitted["null"]["bias"] != 0.0  # the bathtub is not there
+    assert after["routing"]["claims"]["absence_auroc"] == 1.0
     fitted["encoder"] = "another"
     out.write_text(json.dumps(fitted))
     code, _, errors = sceneq("eval", "calibration", place / "room", *graph, "--calibration", out)
@@ -84,6 +88,24 @@ def test_the_ablation_reasons_never_sometimes_and_always(place):
     document = measured(place, "ablation", place / "room")
     reasoned = [one["buckets"][-1]["reasoned"] for one in document["results"]]
     assert reasoned[0] == 0 <= reasoned[1] <= reasoned[2] == 4
+
+
+def test_policies_are_compared_on_the_same_questions(place):
+    out, png = place / "policies.json", place / "policies.png"
+    code, printed, errors = sceneq(
+        *("eval", "ablation", place / "room", "--policies", "--simulated", "0.8"),
+        *("--graph", place / "graph.yaml", "--json", out, "--png", png, "--quiet"),
+    )
+    assert (code, errors) == (0, "")
+    assert printed.startswith("policies in room: encoder hash-v1")
+    graph, model = json.loads(out.read_text())["curves"]
+    assert (graph["reasoner"], model["reasoner"]) == (
+        "GeometricReasoner",
+        "simulated model, right 80 %",
+    )
+    costs = {(one["policy"], one["setting"]): one["cost"] for one in graph["points"]}
+    assert costs["never", ""] == 0.0 <= costs["thresholds", "x 1"] <= costs["always", ""] == 1.0
+    assert png.read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_recording_without_truth_is_one_line_and_code_2(place):

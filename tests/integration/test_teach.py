@@ -18,6 +18,7 @@ from support.room import Room
 
 pytestmark = pytest.mark.integration
 
+FRAMES = 6
 NAME = "aunt Mary's ball"
 LIKENESS = {
     "format": "sceneq.likeness.v1",
@@ -50,6 +51,12 @@ def names(live: LiveGraph) -> list[dict[str, Any]]:
     return get(live, "sceneq/query/room/names").get("names", [])
 
 
+def mapped(live: LiveGraph) -> bool:
+    """Whether the last frame is in the map and most of it can be answered with."""
+    status = get(live, "sceneq/query/room/status")
+    return status.get("frame_seq") == FRAMES - 1 and status["answerable"] >= 4
+
+
 def attached(live: LiveGraph) -> list[dict[str, Any]]:
     return [one for one in names(live) if one["state"] == "attached"]
 
@@ -58,7 +65,7 @@ def test_a_name_outlives_the_process_that_was_told_and_the_whole_graph(
     tmp_path: Path, runtime: Path
 ) -> None:
     room = Room(size=(160, 120), focal_px=130.0)
-    recording = write_recording(tmp_path / "room", frames=6, room=room)
+    recording = write_recording(tmp_path / "room", frames=FRAMES, room=room)
     (tmp_path / "likeness.json").write_text(json.dumps(LIKENESS))
     graph = write_graph(tmp_path, recording)
     routing = "{encoder: {kind: hash}, labels"
@@ -68,8 +75,8 @@ def test_a_name_outlives_the_process_that_was_told_and_the_whole_graph(
 
     live = LiveGraph(graph, recording, runtime, *store)
     try:
-        live.wait_until_settled()
-        ball = live.wait(lambda: ask(live, "red ball").get("instances"))[0]["id"]
+        live.wait(lambda: mapped(live))
+        ball = ask(live, "red ball")["instances"][0]["id"]
         told = live.sceneq("teach", str(ball), NAME, "--by", "anna")
         assert told.stdout == f"instance {ball} is '{NAME}' (individual, p 0.99)\n", told.stderr
         (answer,) = live.zenoh_get(f"sceneq/query/room/instances?q=where is {NAME}")

@@ -21,12 +21,16 @@ def test_what_was_taught_can_be_asked(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["train-probe", str(room), *options])
     assert (done.exit_code, done.exception) == (0, None)
     assert done.stdout.endswith(f"-> {probe}\n")
-    names = read_probe(probe).probe.names
+    file = read_probe(probe)
+    names = file.lessons.probe.names
     assert {"ball", "box", "table"} <= set(names)
     taught = build("encoder", {"kind": "conse", "probe": str(probe)})
     usual = build("encoder", {"kind": "conse"})
     assert taught.model_id != usual.model_id
-    assert taught.dim == usual.dim - len(read_probe(HOUSEHOLD).probe) + len(names)
+    assert taught.dim == usual.dim - len(read_probe(HOUSEHOLD).lessons.probe) + len(names)
     ball, table = taught.encode_texts(["ball", "table"])
     assert ball[1000 + names.index("ball")] > 0.3 > table[1000 + names.index("ball")]
+    sizes = file.lessons.sizes.mean
+    assert sizes[names.index("table"), 0] > sizes[names.index("ball"), 0]
+    assert len(file.taught_with) == 16
     assert np.linalg.norm(ball) == pytest.approx(1, abs=1e-5)

@@ -13,8 +13,8 @@ import pytest
 
 from sceneq_nodes._checkpoints import Checkpoints
 from sceneq_nodes._journal import Journal
-from sceneq_nodes._map_store import StoreParams
 from sceneq_nodes._set_aside import DamageError, StoreError
+from sceneq_nodes._store_params import StoreParams
 from sceneq_schemas.correction import PoseCorrection
 from sceneq_schemas.proposal import ProposalSet
 from sceneq_schemas.topics import MAP_DELTA, POSE_CORRECTION, PROPOSAL
@@ -144,7 +144,7 @@ def test_a_changed_checkpoint_is_set_aside_and_the_one_before_used(undisturbed, 
     back = DurableMap(tmp_path, EVERY_TIME)
     assert path.with_name(path.name + ".corrupt").exists()
     assert back.bus.counters["store_damaged"] == 1
-    assert back.node._store.repeated == 1
+    assert len(back.node._store.repeated) == 1
     assert back.show(4, 5).digest() == undisturbed.digest()
 
 
@@ -235,7 +235,7 @@ def test_other_parameters_make_the_map_anew_from_the_whole_journal(tmp_path):
     DurableMap(tmp_path, EVERY_TIME).show(0, 1).kill()
     coarse = type(SMALL)(voxel_size_m=0.05, surface=SMALL.surface)
     back = DurableMap(tmp_path, EVERY_TIME, mapper=coarse)
-    assert back.node._store.repeated == 2
+    assert len(back.node._store.repeated) == 2
     assert back.digest() == DurableMap(None, mapper=coarse).show(0, 1).digest()
 
 

@@ -4,18 +4,21 @@ import json
 from dataclasses import replace
 
 import cv2
+import jsonschema
 import numpy as np
 import pytest
 
 from sceneq_core.reasoning.geometric import GeometricParams, GeometricReasoner
 from sceneq_core.reasoning.reasoner import LabelVerdict
+from sceneq_core.routing import forms
 from sceneq_core.routing.scene import Revision
 from sceneq_nodes._bus import QueryError, Request
 from sceneq_nodes._front_door import FrontDoor
 from sceneq_nodes._look import Look
+from sceneq_schemas.answer import ANSWER, FORMS
 from sceneq_schemas.topics import QUERY_ASK, QUERY_INSTANCES, QUERY_LABEL
 
-from support.furnished import ROOM, UP, WordEncoder, furnish, ids, instance, router
+from support.furnished import ROOM, UP, Thing, WordEncoder, furnish, ids, instance, router
 
 FLOOR, WALL = 1, 2
 RESTS_ON = {4: 3, 6: 5, 7: 8, 9: WALL}
@@ -59,7 +62,9 @@ def door(scene, **given):
 
 def ask(text, scene=None, **parameters):
     request = Request(QUERY_ASK, "", {}, False, {"q": text, **parameters})
-    return json.loads(door(scene or room()).ask(request).payload)
+    answer = json.loads(door(scene or room()).ask(request).payload)
+    jsonschema.validate(answer, ANSWER)
+    return answer
 
 
 @pytest.fixture(scope="module")
@@ -129,6 +134,14 @@ def test_what_lists_everything_in_that_place(seen):
     assert beside["count"]["sure_ids"] == [10]
 
 
+def test_anything_is_there_however_vague_it_looks():
+    """Things that look like words for anything do not make "what" a thing that is missing."""
+    vague = [Thing("object", (x, 2.2, 0.95), (x + 0.1, 2.3, 1.05)) for x in (1.0, 1.5)]
+    answer = ask("what is on the kitchen counter?", furnish((*ROOM[:6], ROOM[7], *vague)))
+    assert answer["status"] == "found"
+    assert answer["count"]["sure_ids"] == [8, 9]
+
+
 def test_nothing_is_there(seen):
     answer = ask("what is on the trash can", seen)
     assert answer["status"] == "not_found"
@@ -158,7 +171,7 @@ def test_existence(seen, text, exists, said):
 
 
 def test_a_weak_encoder_is_unsure_of_existence():
-    assert ask("is there a chair", room(noise=1.2))["exists"] == "unsure"
+    assert ask("is there a chair", room(noise=2.2))["exists"] == "unsure"
 
 
 def test_what_is_not_there_has_a_nearest_miss(seen):
@@ -253,6 +266,10 @@ def test_an_empty_map_answers_every_form():
         assert answer["said"]
 
 
+def test_the_schema_knows_every_form():
+    assert FORMS == forms.FORMS
+
+
 class Seeing:
     """Sees the words that a test holds up."""
 
@@ -266,7 +283,9 @@ class Seeing:
 
 def show(picture, seeing, **given):
     request = Request(QUERY_INSTANCES, "", {}, False, given, picture, "")
-    return json.loads(door(room(), seeing=seeing).instances(request).payload)
+    answer = json.loads(door(room(), seeing=seeing).instances(request).payload)
+    jsonschema.validate(answer, ANSWER)
+    return answer
 
 
 def encoded(ending, size=(40, 30)):
@@ -318,7 +337,7 @@ def named(payload=b"", encoding="", scene=None, given=None, **parameters):
 
 def test_any_labels_may_be_given(seen):
     answer = named(id="16", labels="mug, lamp,bicycle", scene=seen)
-    assert [one["label"] for one in answer["labels"]][0] == "lamp"
+    assert answer["labels"][0]["label"] == "lamp"
     assert {one["label"] for one in answer["labels"]} == {"mug", "lamp", "bicycle"}
     assert sum(one["p"] for one in answer["labels"]) == pytest.approx(1.0, abs=1e-3)
     assert answer["status"] == "found"

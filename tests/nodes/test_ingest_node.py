@@ -83,6 +83,7 @@ def test_lossless_play_keeps_a_window(folder: Path, clock: Clock) -> None:
     for seq in (4, 6, 8, 10):
         acknowledge(bus, node, seq)
     assert seqs(bus, FRAME) == [0, 2, 4, 6, 8, 10]
+    assert [frame.after for frame in bus.sent(FRAME)] == [0, 0, 2, 4, 6, 8]
     assert seqs(bus, POSE) == list(range(12))
     assert bus.reported == {"state": "finished", "frames": 12, "keyframes": 6}
     node.step(None)

@@ -1,5 +1,7 @@
 """The mapping node on the bus in memory."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,8 +11,9 @@ from sceneq_nodes._images import frame_message
 from sceneq_nodes._params import ParamError, validate
 from sceneq_nodes._wire import from_bytes
 from sceneq_nodes.mapping import Mapping, MappingParams
+from sceneq_schemas.codec import encode
 from sceneq_schemas.mask import Masks
-from sceneq_schemas.topics import FRAME, MAP_DELTA, MAP_SNAPSHOT, MASK
+from sceneq_schemas.topics import FRAME, MAP_DELTA, MAP_JOURNAL, MAP_SNAPSHOT, MASK
 
 from support.fake_bus import FakeBus
 from support.surfaces import SMALL, room_frames
@@ -64,6 +67,45 @@ def test_the_halves_of_a_keyframe_may_come_in_any_order():
     bus.deliver(node, FRAME, frame_of(1))
     bus.deliver(node, MASK, masks_of(0))
     assert [d.frame_seq for d in bus.sent(MAP_DELTA)] == [1, 0]
+
+
+def test_no_frame_overtakes_the_one_it_is_sent_after():
+    node, bus = opened()
+
+    def send(seq, after):
+        bus.deliver(node, FRAME, replace(frame_of(seq), after=after))
+        bus.deliver(node, MASK, masks_of(seq))
+
+    send(0, 0)
+    send(2, 1)
+    send(3, 2)
+    assert [d.frame_seq for d in bus.sent(MAP_DELTA)] == [0]
+    send(1, 0)
+    assert [d.frame_seq for d in bus.sent(MAP_DELTA)] == [0, 1, 2, 3]
+
+
+def test_a_map_that_begins_later_waits_for_nothing_from_before():
+    node, bus = opened()
+    for seq in (2, 1, 3):
+        bus.deliver(node, FRAME, replace(frame_of(seq), after=seq - 1))
+        bus.deliver(node, MASK, masks_of(seq))
+    assert [d.frame_seq for d in bus.sent(MAP_DELTA)] == [2, 1, 3]
+
+
+def test_the_last_deltas_are_told_again():
+    node, bus = opened()
+    show(node, bus, 0, 1, 2)
+    epoch = bus.sent(MAP_DELTA)[0].epoch
+
+    def told(**parameters):
+        reply = bus.query(MAP_JOURNAL, parameters=parameters)
+        return reply and from_bytes(MAP_JOURNAL, reply.payload)
+
+    missed = told(epoch=str(epoch), after="1")
+    assert (missed.epoch, missed.seq) == (epoch, 3)
+    assert [encode(d) for d in missed.deltas] == [encode(d) for d in bus.sent(MAP_DELTA)[1:]]
+    assert told(epoch="5", after="1") is None
+    assert [d.seq for d in told(epoch="0", after="0").deltas] == [1, 2, 3]
 
 
 def test_deltas_add_up_to_the_snapshot():

@@ -4,6 +4,7 @@ import base64
 import logging
 import time
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import pytest
 
@@ -309,3 +310,13 @@ def test_many_candidates_are_shown_in_few_pictures(reasoner):
     assert str(error) == "the choice '12' is not in the list"  # 8 of 12 fit into two pictures
     assert len(chat.images()) == 2
     assert len(MUGS) < 8
+
+
+def test_without_leave_to_spend_nothing_is_sent(reasoner):
+    with chat_server(chooses("2")) as chat:
+        asked = reasoner(chat.url)
+        for ask, problem in ((asked.solve, which_mug()), (asked.label, what_is_it())):
+            with pytest.raises(UnansweredError, match="a call of a model is not allowed now"):
+                ask(replace(problem, may_spend=False), keyframe)
+        assert not chat.requests
+        assert asked.solve(which_mug(), keyframe).vlm_calls == 1

@@ -56,6 +56,7 @@ def test_a_get_without_a_problem_is_not_answered(bus):
         (lambda w: w.update(candidates={}), "candidates: expected a list"),
         (lambda w: w.update(candidates=w["candidates"] * 20), "a list of at most 256"),
         (lambda w: w.update(up_world=[0, 0, 0]), "up_world: has no length"),
+        (lambda w: w.update(may_spend=0), "may_spend: expected true or false, got 0"),
         (lambda w: w.update(up_world=[0, 1]), "up_world: expected"),
         (lambda w: w.update(viewpoint_world=["a", 0, 0]), "viewpoint_world: expected numbers"),
         (lambda w: w.update(constraints=[["on"]]), r"expected \[relation, anchor\]"),
@@ -89,6 +90,8 @@ def test_problems_travel_unchanged():
     assert problem_bytes(back) == problem_bytes(problem)
     assert back.constraints == problem.constraints
     assert back.candidates[0].views == problem.candidates[0].views
+    assert back.may_spend
+    assert not problem_from_bytes(problem_bytes(replace(problem, may_spend=False))).may_spend
 
 
 def test_verdicts_travel_unchanged():

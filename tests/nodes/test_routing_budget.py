@@ -164,6 +164,15 @@ def test_the_same_question_is_answered_from_memory_until_its_things_change():
     assert len(model.problems) == 2
 
 
+def test_what_is_remembered_says_the_same_as_when_it_was_paid_for():
+    """Also where the encoder says that there is no such thing: the model has looked."""
+    place = home(lambda request: reply(Verdict(((6, 1.0),), "seen", 1)))
+    first, again = (place.ask("grand piano", mode="reason") for _ in range(2))
+    assert [one["cached"] for one in (first, again)] == [False, True]
+    for name in ("status", "instances", "confidence", "reason"):
+        assert first[name] == again[name]
+
+
 def test_memory_can_be_turned_off():
     model = Model()
     place = home(model, remembered=RememberedParams(capacity=0))

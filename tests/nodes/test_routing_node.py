@@ -144,6 +144,9 @@ def test_an_answer_has_everything_a_client_needs(bus):
     assert list(answer) == [
         "status",
         "question",
+        "form",
+        "said",
+        "where",
         "instances",
         "confidence",
         "route",
@@ -151,15 +154,18 @@ def test_an_answer_has_everything_a_client_needs(bus):
         "reason",
         "cost",
         "map",
+        "calibration",
         "query_id",
         "took_ms",
     ]
     assert (answer["status"], answer["route"]) == ("found", "fast")
     assert answer["question"] == "where is the lamp?"
     assert len(answer["instances"]) == 5
-    assert set(answer["confidence"]) == {"p_max", "margin", "entropy_norm", "T", "presence"}
+    assert set(answer["confidence"]) == {
+        *("p_max", "p_null", "margin", "entropy_norm", "T", "presence"),
+    }
     assert answer["cost"]["vlm_calls"] == 0
-    assert set(answer["cost"]["ms"]) == {"text", "search"}
+    assert set(answer["cost"]["ms"]) == {"text", "search", "report"}
     assert (answer["map"]["epoch"], answer["map"]["seq"]) == (5, 1)
     assert 0 <= answer["map"]["age_s"] < 60
 

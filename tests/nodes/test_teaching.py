@@ -1,6 +1,7 @@
 """Names over the bus: given, asked for, listed, taken back, and there again after a restart."""
 
 import json
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -168,6 +169,7 @@ def test_a_taught_name_is_found_at_once_and_the_reason_says_who_taught_it(bus):
     assert best["p"] == pytest.approx(0.99, abs=0.01)
     assert (best["label"], best["label_source"]) == (MUG, "taught")
     assert found["reason"] == f"'{MUG}' was taught by anna on {told['when']}"
+    assert found["said"].startswith(f"Aunt Mary's mug ({RED_CUP}) is ")
 
 
 def test_what_it_was_called_before_still_finds_it(bus):
@@ -396,3 +398,31 @@ def test_what_cannot_be_written_is_not_taught(bus, monkeypatch):
     )
     assert ask(bus, QUERY_NAMES)["names"] == []
     assert answer(bus, MUG) == before
+
+
+def test_a_file_that_cannot_be_read_is_left_alone_and_said(start, tmp_path):
+    (tmp_path / "room" / "names.jsonl").mkdir(parents=True)
+    bus = start()
+    see(bus)
+    told = teach(bus)
+    assert told["kept"] is False
+    assert told["problem"].startswith("the names on disk cannot be used: ")
+    assert bus.counters["names_damaged"] == 1
+
+
+def test_names_are_taught_from_many_threads_while_the_map_changes(bus, start):
+    names = [f"thing {n}" for n in range(40)]
+
+    def say(number):
+        return teach(bus, names[number], id=1 + number % len(ROOM))["name"]
+
+    with ThreadPoolExecutor(4) as pool:
+        said = pool.map(say, range(len(names)))
+        for seq in range(2, 12):
+            bus.deliver(bus.node, MAP_DELTA, map_delta(5, seq))
+        assert list(said) == names
+    told = ask(bus, QUERY_NAMES)["names"]
+    assert {one["name"] for one in told} == set(names)
+    assert {one["state"] for one in told} == {"attached"}
+    see(again := start())
+    assert {one["name"] for one in ask(again, QUERY_NAMES)["names"]} == set(names)

@@ -16,9 +16,10 @@ from sceneq_core.mapping.replica import MapReplica
 from sceneq_core.mapping.resumption import resumed, state_of
 from sceneq_core.state import StateError, take_apart
 
+from support.room import Room
 from support.surfaces import SMALL, room_frames
 
-VIEWS = room_frames(7)
+VIEWS = room_frames(7, Room(size=(120, 90), focal_px=97.5))
 CORRECTED_AFTER, PROPOSED_AFTER = 4, 1
 
 
@@ -56,7 +57,7 @@ def undisturbed():
     return [told(step(mapper, number)) for number in range(len(VIEWS))], digest(mapper)
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(stops=st.sets(st.integers(0, len(VIEWS) - 1)))
 def test_a_map_resumed_at_any_moments_is_the_undisturbed_one(undisturbed, stops):
     mapper, deltas = Mapper(SMALL), []

@@ -1,6 +1,5 @@
 """A mapping node with a store, which can be killed and come back."""
 
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,16 +7,18 @@ from sceneq_core.mapping.digest import map_digest
 from sceneq_core.mapping.replica import MapReplica
 from sceneq_nodes._convert import map_delta_from_message
 from sceneq_nodes._images import frame_message
-from sceneq_nodes._map_store import StoreParams
+from sceneq_nodes._store_params import StoreParams
 from sceneq_nodes._wire import from_bytes
 from sceneq_nodes.mapping import Mapping, MappingParams
 from sceneq_schemas.mask import Masks
 from sceneq_schemas.topics import FRAME, MAP_SNAPSHOT, MASK
 
 from support.fake_bus import CONTEXT, FakeBus
+from support.killed_files import leave_as_killed
+from support.room import Room
 from support.surfaces import SMALL, room_frames
 
-VIEWS = room_frames(6)
+VIEWS = room_frames(6, Room(size=(120, 90), focal_px=97.5))
 EVERY_TIME = StoreParams(replay_s=0.0, share=1.0)
 """A checkpoint after every keyframe, unless one is being written."""
 NEVER = StoreParams(replay_s=1e9)
@@ -49,12 +50,7 @@ class DurableMap:
     def kill(self) -> None:
         """Leave the files as a killed process does: closing them would tidy them up."""
         self.settle()
-        folder = self.bus.context.store / "map"
-        image = folder.with_name("image")
-        shutil.copytree(folder, image, ignore=shutil.ignore_patterns("*-shm"))
-        self.node.close()
-        shutil.rmtree(folder)
-        image.rename(folder)
+        leave_as_killed(self.bus.context.store / "map", self.node.close)
 
     def snapshot(self):
         """Return the whole map as a reader gets it."""

@@ -9,7 +9,7 @@ from sceneq_schemas.correction import PoseCorrection
 from sceneq_schemas.feature import Descriptor, FeatureDelta
 from sceneq_schemas.frame import Frame, ImageData, Pose
 from sceneq_schemas.label import InstanceLabel, LabelDelta
-from sceneq_schemas.map import Event, Instance, MapDelta, Place
+from sceneq_schemas.map import Event, Instance, MapDelta, MapDeltas, Place
 from sceneq_schemas.mask import Masks
 from sceneq_schemas.proposal import ProposalSet
 from sceneq_schemas.view import View, ViewDelta, ViewSet
@@ -24,7 +24,7 @@ def ramp(dtype: str, *shape: int) -> Any:
     return np.arange(np.prod(shape, dtype=int)).astype(dtype).reshape(shape)
 
 
-EXAMPLES = (
+_EXAMPLES = (
     Frame(
         seq=7,
         stamp_ns=1_700_000_000_000_000_000,
@@ -153,6 +153,9 @@ EXAMPLES = (
         removed=np.array([4], np.int32),
     ),
 )
+
+_MAP = next(message for message in _EXAMPLES if isinstance(message, MapDelta))
+EXAMPLES = (*_EXAMPLES, MapDeltas(epoch=_MAP.epoch, seq=9, deltas=(_MAP,)))
 
 
 def same(one: Any, other: Any) -> bool:

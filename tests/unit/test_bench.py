@@ -4,22 +4,26 @@ import json
 import os
 import sys
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from sceneq_core.encoding.encoder import Crop
 from sceneq_core.ingest.source import Camera
+from sceneq_nodes._bus import Received
 from sceneq_schemas.frame import Frame
 from sceneq_schemas.mask import Masks
+from sceneq_schemas.topics import FEATURE_DELTA, MAP_DELTA, VIEW_DELTA, Topic
 from sceneq_tools import bench_command, cli
-from sceneq_tools.bench import laps, registry, render, report, stages
+from sceneq_tools.bench import laps, query_feeder, registry, render, report, scale, stages
 from sceneq_tools.bench.codec import CODECS, codec, synthetic_frame
 from sceneq_tools.bench.measurement import (
     Measurement,
     Options,
+    in_turns_ms,
     latency,
     median,
     p99,
@@ -30,6 +34,7 @@ from sceneq_tools.bench.reference import fixed_work, fixed_work_ms
 from sceneq_tools.bench.stopwatch import Stopwatch
 from sceneq_tools.errors import UserError
 
+from support.fake_bus import FakeBus
 from support.messages import EXAMPLES
 
 BRIEF = Options(seconds=0.001, quiet=True)
@@ -65,6 +70,24 @@ def test_samples_are_taken_until_time_and_number_suffice() -> None:
     assert len(taken) == 3
     assert len(calls) == 5
     assert all(one >= 0 for one in taken)
+
+
+def test_what_is_measured_may_be_processor_time() -> None:
+    ticks = iter([0.0, 2.0, 10.0, 13.0, 20.0, 24.0])
+    taken = samples_ms(lambda: None, seconds=1e-9, least=2, clock=lambda: next(ticks))
+    assert taken == [2000.0, 3000.0]
+    stopwatch = Stopwatch(clock=lambda: next(ticks))
+    with stopwatch.watching({"scaling": "sceneq_tools.bench.scale:digest"}):
+        assert scale.digest(np.array([1, 2], np.uint8)) == 258
+    assert stopwatch.taken_ms == {"scaling": [4000.0]}
+
+
+def test_works_are_measured_in_turns() -> None:
+    calls: list[str] = []
+    works = [lambda: calls.append("a"), lambda: calls.append("b")]
+    first, second = in_turns_ms(works, seconds=1e-9, warm_ups=1, least=3)
+    assert (len(first), len(second)) == (3, 3)
+    assert calls == ["a", "b", *["a", "b"] * 3]
 
 
 def test_latency_is_median_and_tail() -> None:
@@ -284,5 +307,54 @@ def test_wrong_stages_and_missing_recordings_are_one_line(
     code, out, err = run("stages", "--quiet", "--seconds", "0.01")
     assert (code, out) == (2, "")
     assert err == "sceneq: a folder of frames is needed: --source FOLDER\n"
-    assert bench_command._chosen([], None) == ["codec", "bus", "render"]
+    assert bench_command._chosen([], None) == ["codec", "bus", "render", "scale"]
     assert bench_command._chosen([], Path("room")) == list(registry.BENCHES)
+
+
+def test_a_question_to_many_instances_stands_beside_the_product(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(scale, "INSTANCES", 300)
+    monkeypatch.setattr(scale, "LEAST", 2)
+    measured = {one.name: one for one in scale.scale(BRIEF)}
+    assert list(measured)[:2] == ["'mug' of 300 x 512, p50", "'mug' of 300 x 512, p99"]
+    assert list(measured)[-1] == "30 of 300 x 512 changed, p99"
+    assert len(measured) == 8
+    assert all(one.ratio and one.beside == "matrix times vector" for one in measured.values())
+
+
+def test_the_random_encoder_keeps_to_what_it_said() -> None:
+    encoder = scale.RandomEncoder()
+    first, second, again = encoder.encode_texts(["red mug", "mug", "red mug"])
+    assert np.array_equal(first, again)
+    assert abs(float(first @ second)) < 0.3
+    assert encoder.encode_texts([]).shape == (0, scale.DIM)
+    black = Crop(np.zeros((4, 5, 3), np.uint8), np.ones((4, 5), np.bool_))
+    descriptors, features = encoder.encode_crops([black, black])
+    assert np.array_equal(descriptors, features)
+    assert np.linalg.norm(descriptors, axis=1) == pytest.approx([1.0, 1.0])
+
+
+def heard(topic: Topic, seq: int, **ids: str) -> Received:
+    message = replace(next(one for one in EXAMPLES if type(one) is topic.message), seq=seq)
+    return Received(topic, topic.key(scene="room", **ids), {"scene": "room", **ids}, message)
+
+
+def test_the_last_changes_are_told_again_as_the_next_ones() -> None:
+    bus, changes = FakeBus(), query_feeder.LastChanges()
+    for seq in (7, 8):
+        changes.step(heard(MAP_DELTA, seq))
+        changes.step(heard(VIEW_DELTA, seq + 10))
+        changes.step(heard(FEATURE_DELTA, seq + 20, model="m"))
+    feeder = query_feeder.Feeder(bus, changes)
+    feeder.tell_keyframe()
+    feeder.tell_keyframe()
+    assert [one.seq for one in bus.sent(MAP_DELTA)] == [9, 10]
+    assert [one.seq for one in bus.sent(VIEW_DELTA)] == [19, 20]
+    assert [one.seq for one in bus.sent(FEATURE_DELTA)] == [29, 30, 31, 32]
+    assert not any(one.full for one in bus.sent(MAP_DELTA))
+
+
+def test_what_was_fed_travels_as_text() -> None:
+    fed = query_feeder.Fed("room", {"encoder": {"kind": "hash"}}, 12)
+    assert query_feeder.Fed(**json.loads(json.dumps(asdict(fed)))) == fed

@@ -15,11 +15,11 @@ from sceneq_tools.evaluation.calibration import (
     own_labels,
     task_scores,
 )
+from sceneq_tools.evaluation.calibration_claims import claims_of, first_claim
 from sceneq_tools.evaluation.calibration_fit import BOTH, LABELS, QUESTIONS, fit
 from sceneq_tools.evaluation.calibration_guesses import (
     Guess,
     decisions,
-    first_answer,
     label_guesses,
     question_guesses,
 )
@@ -116,11 +116,17 @@ def test_the_gate_sees_what_the_answer_reports():
 def test_an_answer_at_once_is_right_when_it_finds_or_rightly_does_not():
     ask = router()
     lamp, absent = Query("lamp", "category", frozenset(ids("lamp"))), QUERIES[-1]
-    assert first_answer(ask, HERE, lamp) == (True, True)
-    assert first_answer(ask, HERE, absent) == (True, True)
-    wrong = Query("lamp", "category", frozenset(ids("couch")))
-    assert first_answer(ask, HERE, wrong) == (True, False)
-    assert first_answer(ask, HERE, QUERIES[-2])[0] is False  # relations are never answered at once
+    found, missed = first_claim(ask, HERE, lamp), first_claim(ask, HERE, absent)
+    assert (found.status, found.enough, found.is_right) == ("found", True, True)
+    assert (missed.status, missed.enough, missed.is_right) == ("not_found", True, True)
+    wrong = first_claim(ask, HERE, Query("lamp", "category", frozenset(ids("couch"))))
+    assert (wrong.enough, wrong.is_right) == (True, False)
+    asked = question_guesses(ask, HERE, QUERIES)
+    claims = claims_of([found, missed, wrong], asked)
+    assert (claims.found, claims.found_right, claims.risk) == (2, 1, 0.5)
+    assert (claims.not_found, claims.not_found_right, claims.absent) == (1, 1, 1)
+    assert claims.absence_auroc == 1.0
+    assert first_claim(ask, HERE, QUERIES[-2]).enough is False  # relations are never
 
 
 @pytest.mark.parametrize("task", [QUESTIONS, LABELS, BOTH])
@@ -129,7 +135,7 @@ def test_fitting_makes_what_it_fits_better(task):
     before = {one.task + one.choices: one.nll for one in fitted.before.tasks}
     after = {one.task + one.choices: one.nll for one in fitted.after.tasks}
     names = list(before)
-    chosen = {QUESTIONS: names[:1], LABELS: names[1:2], BOTH: names[:2]}[task]
+    chosen = {QUESTIONS: names[3:], LABELS: names[1:2], BOTH: [names[1], names[3]]}[task]
     assert sum(after[name] for name in chosen) <= sum(before[name] for name in chosen) + 1e-6
     assert fitted.after.routing.f1.f1 >= fitted.before.routing.f1.f1
     assert fitted.after.temperature == fitted.calibration.temperature
@@ -139,10 +145,10 @@ def test_fitting_makes_what_it_fits_better(task):
 
 def test_the_temperature_is_the_least_of_a_scan():
     best = fit(SCENES, setup(), QUESTIONS)
-    nll = best.after.tasks[0].nll
+    nll = best.after.tasks[3].nll
     for factor in (0.7, 0.9, 1.1, 1.4):
         other = replace(best.calibration, temperature=best.calibration.temperature * factor)
-        assert evaluate_calibration(SCENES, setup().with_calibration(other)).tasks[0].nll >= nll
+        assert evaluate_calibration(SCENES, setup().with_calibration(other)).tasks[3].nll >= nll
 
 
 def test_nothing_to_fit_to_is_said():
@@ -156,5 +162,7 @@ def test_the_report_is_plain_values_and_names_its_protocols():
     document = json.loads(json.dumps(report.as_dict()))
     assert "ECE" in document["protocol"]
     assert document["routing"]["gate"]["min_p"] == GateParams().min_p
-    assert [task["choices"] for task in document["tasks"]] == ["instances", "scannet200", "own"]
+    assert [task["choices"] for task in document["tasks"]] == [
+        *("instances", "scannet200", "own", "instances"),
+    ]
     assert len(document["routing"]["sensitivity"]) == 12

@@ -1,6 +1,7 @@
 """A calibration on disk: what is in it, what is refused, and what it changes."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +10,15 @@ import pytest
 from sceneq_core.routing.gate import GateParams
 from sceneq_core.routing.labels import custom, named
 from sceneq_core.routing.router import RouterParams
-from sceneq_nodes._calibration import Calibration, given_calibration, read_calibration
+from sceneq_core.routing.null import NullParams
+from sceneq_nodes._calibration import Calibration, read_calibration
 from sceneq_nodes._new_router import new_router
 
 from support.furnished import WordEncoder, snapshot
 
 GATE = GateParams(min_p=0.4, min_margin=0.1, max_entropy_norm=0.6, clear_margin=0.3)
-CALIBRATION = Calibration("words", 0.07, GATE, ("a" * 64,))
+NULL = NullParams(temperature=0.05, name=1.0, said=0.5, standing=2.0, bias=-3.0)
+CALIBRATION = Calibration("words", 0.07, GATE, NULL, "scannet200", ("a" * 64,))
 
 
 @pytest.fixture(autouse=True)
@@ -32,7 +35,28 @@ def write(folder: Path, document: object) -> Path:
 def test_what_is_written_is_read_again(tmp_path):
     document = {**CALIBRATION.as_dict(), "date": "today", "recordings": ["room"]}
     assert read_calibration(write(tmp_path, document)) == CALIBRATION
-    assert given_calibration("") is None
+    nothing_absent = replace(CALIBRATION, null=None)
+    assert read_calibration(write(tmp_path, nothing_absent.as_dict())) == nothing_absent
+
+
+def test_the_name_tells_the_encoder_and_changes_with_every_number():
+    others = (
+        replace(CALIBRATION, temperature=0.08),
+        replace(CALIBRATION, null=None),
+        replace(CALIBRATION, gate=GateParams()),
+        replace(CALIBRATION, sha256=("b" * 64,)),
+    )
+    names = {one.name for one in (CALIBRATION, *others)}
+    assert len(names) == 5
+    assert all(len(name) == len("words:12345678") for name in names)
+    assert all(name.startswith("words:") for name in names)
+
+
+def test_a_file_of_the_former_format_is_refused_with_what_to_do(tmp_path):
+    former = {**CALIBRATION.as_dict(), "format": "sceneq.calibration.v1"}
+    del former["null"]
+    with pytest.raises(ValueError, match=r"v1' knows no 'none of them' \(make a new one: sceneq"):
+        read_calibration(write(tmp_path, former))
 
 
 @pytest.mark.parametrize(
@@ -43,6 +67,9 @@ def test_what_is_written_is_read_again(tmp_path):
         ({"temperature": "warm"}, "temperature: expected a number"),
         ({"temperature": True}, "temperature: expected a number"),
         ({"temperature": 0}, "temperature: must be positive"),
+        ({"null": 3}, "null: expected the numbers"),
+        ({"null": {"temperature": 0.1}}, r"null\.name: expected a number"),
+        ({"null": {**CALIBRATION.as_dict()["null"], "said": -1.0}}, "said: must be at least 0"),
         ({"gate": []}, "gate"),
         ({"gate": {"min_p": 0.5}}, r"gate\.min_margin"),
         ({"gate": {**CALIBRATION.as_dict()["gate"], "min_p": 1.5}}, "min_p"),
@@ -57,7 +84,7 @@ def test_a_bad_field_is_named_with_its_file(tmp_path, changes, complaint):
 
 def test_a_file_that_is_missing_or_no_object_is_named(tmp_path):
     with pytest.raises(ValueError, match=r"nothing\.json: cannot be read"):
-        given_calibration(str(tmp_path / "nothing.json"))
+        read_calibration(tmp_path / "nothing.json")
     with pytest.raises(ValueError, match=r"calibration\.json: format"):
         read_calibration(write(tmp_path, [1]))
     (tmp_path / "broken.json").write_text("{")
@@ -67,12 +94,14 @@ def test_a_file_that_is_missing_or_no_object_is_named(tmp_path):
 
 def test_the_router_takes_temperature_and_thresholds():
     router = new_router(WordEncoder(), named("scannet200"), RouterParams(), CALIBRATION)
-    assert router.params.judge.gate == GATE
+    assert (router.params.judge.gate, router.params.null) == (GATE, NULL)
+    assert router.calibration == CALIBRATION.name
     confidence = router.answer(snapshot(), router.read("lamp")).answer.confidence
     assert confidence.temperature == router.labeller.temperature == 0.07
     colder = new_router(WordEncoder(), named("scannet200"), RouterParams())
     usual = colder.answer(snapshot(), colder.read("lamp")).answer.confidence
-    assert confidence.p_max > usual.p_max  # T was 0.1
+    assert confidence.p_max / (1 - confidence.p_null) > usual.p_max  # T was 0.1
+    assert (usual.p_null, colder.calibration) == (0.0, "none")
 
 
 def test_another_encoder_is_refused():

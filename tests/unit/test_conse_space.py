@@ -7,8 +7,10 @@ from sceneq_core.encoding.colour import COLOUR_TERMS
 from sceneq_core.encoding.conse import Conse, classifier_input
 from sceneq_core.encoding.dead_leaves import dead_leaves
 from sceneq_core.encoding.joint import CLASSES, dimensions, image_vector, text_vector
+from sceneq_core.encoding.lessons import Lessons
 from sceneq_core.encoding.prior import indoor_prior
 from sceneq_core.encoding.probe import Probe
+from sceneq_core.encoding.usual_sizes import UsualSizes
 
 MUG, CHAIR = 504, 559
 NO_PRIOR = np.zeros(CLASSES, np.float32)
@@ -84,6 +86,14 @@ def test_the_classifier_sees_the_whole_crop_scaled():
     assert image[0, :, 130, 240] == pytest.approx(0.0)
 
 
+NO_LESSONS = Lessons(
+    Probe((), np.zeros((1280, 0), np.float32), np.zeros(0, np.float32)),
+    UsualSizes(np.zeros((0, 4)), np.zeros((0, 4))),
+    np.zeros((0, CLASSES), np.float32),
+    np.zeros(0, np.int64),
+)
+
+
 def test_texts_are_embedded_once():
     asked = []
 
@@ -94,9 +104,9 @@ def test_texts_are_embedded_once():
     conse = Conse(
         classify=lambda image: (peak(MUG), np.ones(1280, np.float32)),
         embed=embed,
-        name_vectors=lambda: np.eye(CLASSES, dtype=np.float32),
+        class_vectors=lambda: np.eye(CLASSES, dtype=np.float32),
         prior=NO_PRIOR,
-        probe=Probe((), np.zeros((1280, 0), np.float32), np.zeros(0, np.float32)),
+        lessons=NO_LESSONS,
         side_px=260,
         text_cache=8,
     )

@@ -85,3 +85,30 @@ def test_what_is_gone_is_forgotten():
     pending.put(view_set(1, 30))
     pending.put(view_set(2, 10))
     assert pending.take().instance_id == 2  # as if it had never been described
+
+
+def test_several_are_taken_in_the_order_of_one_after_the_other():
+    pending = Pending()
+    for instance_id in (3, 1, 2):
+        pending.put(view_set(instance_id, 10, 20))
+    some = pending.take_some(2)
+    assert [(one.instance_id, seqs(one)) for one in some] == [(1, [10]), (2, [10])]
+    for one in some:
+        pending.settle(one)
+    rest = pending.take_some(5)
+    assert [(one.instance_id, seqs(one)) for one in rest] == [
+        (3, [10]),
+        (1, [10, 20]),
+        (2, [10, 20]),
+    ]
+    pending.settle(rest[0])
+    assert [seqs(one) for one in pending.take_some(5)] == [[10, 20]]
+    assert pending.take_some(1) == []
+
+
+def test_what_has_waited_longest_as_it_is_comes_first():
+    pending = Pending()
+    for instance_id in (3, 1, 2):
+        pending.put(view_set(instance_id, 10))
+    pending.put(view_set(3, 10, 20))
+    assert [one.instance_id for one in pending] == [1, 2, 3]

@@ -7,13 +7,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sceneq_nodes._bus import QueryError, Reply
+from sceneq_nodes._bus import QueryError, Reply, Request
 from sceneq_nodes._follow import RETRY_S, Follower
 from sceneq_schemas.codec import encode
-from sceneq_schemas.topics import VIEW_DELTA, VIEW_SNAPSHOT
+from sceneq_schemas.map import MapDelta, MapDeltas
+from sceneq_schemas.topics import (
+    MAP_DELTA,
+    MAP_JOURNAL,
+    MAP_SNAPSHOT,
+    VIEW_DELTA,
+    VIEW_SNAPSHOT,
+)
 from sceneq_schemas.view import ViewDelta, ViewSet
 
 from support.fake_bus import FakeBus
+from support.messages import EXAMPLES
+
+EXAMPLE = next(message for message in EXAMPLES if isinstance(message, MapDelta))
 
 
 @dataclass
@@ -234,4 +244,72 @@ def test_any_loss_reorder_or_restart_ends_in_the_writers_state(seed: int, answer
     reader.now += RETRY_S
     reader.follower.offer(writer.write())
     assert reader.ids == [view_set.instance_id for view_set in writer.snapshot().view_sets]
+    assert reader.follower.synced
+
+
+class Journal:
+    """A writer that still knows its deltas beyond ``first``."""
+
+    def __init__(self, bus: FakeBus, writer: Writer, first: int) -> None:
+        self.writer, self.first = writer, first
+        self.asked: list[dict[str, str]] = []
+        bus.answer(MAP_JOURNAL, self.reply)
+
+    def reply(self, request: Request) -> Reply | None:
+        self.asked.append(dict(request.parameters))
+        after = int(request.parameters["after"])
+        if after < self.first:
+            return None
+        maps = tuple(
+            replace(EXAMPLE, epoch=one.epoch, seq=one.seq) for one in self.writer.deltas[after:]
+        )
+        seq = len(self.writer.deltas)
+        return Reply(encode(MapDeltas(self.writer.epoch, seq, maps)), MAP_JOURNAL.encoding)
+
+
+class MapReader:
+    """Keeps the numbers of the deltas applied."""
+
+    def __init__(self, bus: FakeBus, have: tuple[int, int] | None = None) -> None:
+        self.seqs: list[int] = []
+        self.follower = Follower(
+            *(bus, MAP_DELTA, MAP_SNAPSHOT, lambda delta: self.seqs.append(delta.seq)),
+            journal_topic=MAP_JOURNAL,
+            have=have,
+            scene="room",
+        )
+        self.follower.open()
+
+
+def test_a_gap_is_healed_delta_by_delta_where_the_writer_knows_them(bus: FakeBus) -> None:
+    writer = Writer()
+    for _ in range(5):
+        writer.write()
+    journal = Journal(bus, writer, first=2)
+    reader = MapReader(bus, have=(writer.epoch, 3))
+    assert reader.seqs == [4, 5]
+    assert (reader.follower.epoch, reader.follower.seq) == (writer.epoch, 5)
+    assert reader.follower.synced
+    assert journal.asked == [{"epoch": str(writer.epoch), "after": "3"}]
+
+
+def test_who_begins_follows_from_the_very_beginning(bus: FakeBus) -> None:
+    writer = Writer()
+    for _ in range(3):
+        writer.write()
+    Journal(bus, writer, first=0)
+    reader = MapReader(bus, have=(0, 0))
+    assert reader.seqs == [1, 2, 3]
+    assert reader.follower.epoch == writer.epoch
+
+
+def test_what_the_writer_forgot_is_healed_by_the_whole(bus: FakeBus) -> None:
+    writer = Writer()
+    for _ in range(5):
+        writer.write()
+    Journal(bus, writer, first=4)
+    whole = replace(EXAMPLE, epoch=writer.epoch, seq=5, full=True)
+    bus.answer(MAP_SNAPSHOT, lambda request: Reply(encode(whole), MAP_SNAPSHOT.encoding))
+    reader = MapReader(bus, have=(writer.epoch, 1))
+    assert reader.seqs == [5]
     assert reader.follower.synced

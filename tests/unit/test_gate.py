@@ -39,6 +39,14 @@ def test_one_choice_is_certain_and_no_choice_is_not():
     assert Confidence.of(np.zeros(0), 1.0) == Confidence(0.0, 0.0, 1.0, 1.0)
 
 
+def test_none_of_them_is_one_more_choice():
+    confidence = Confidence.of(np.array([0.4, 0.1]), 0.05, 0.5)
+    assert (confidence.p_max, confidence.p_null) == (0.4, 0.5)
+    assert confidence.margin == pytest.approx(-0.1)
+    p = np.array([0.4, 0.1, 0.5])
+    assert confidence.entropy_norm == pytest.approx(-(p * np.log(p)).sum() / np.log(3))
+
+
 def test_entropy_ignores_impossible_choices():
     assert entropy_norm(np.array([1.0, 0.0, 0.0])) == 0.0
     assert entropy_norm(np.full(5, 0.2)) == pytest.approx(1.0)

@@ -28,6 +28,12 @@ def test_f1_of_nothing_is_zero():
     assert f1_of(none, RIGHT).f1 == f1_of(none, none).f1 == f1_of(none[:0], none[:0]).f1 == 0.0
 
 
+def test_no_threshold_falls_below_what_may_be_claimed():
+    free, bound = tune_gate(FIVE, GateParams()), tune_gate(FIVE, GateParams(), least_p=0.6)
+    assert free.min_p < 0.6 <= bound.min_p
+    assert FIVE.accepted(bound).tolist()[:2] == [True, True]
+
+
 def test_the_gate_decides_as_it_does_for_one():
     # The first is sure; the second has a clear margin; the last has too small a margin.
     assert FIVE.accepted(GateParams()).tolist() == [True, True, False, False, False]

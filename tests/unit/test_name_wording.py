@@ -55,6 +55,7 @@ def test_what_is_no_name_is_refused(text, message):
         ("salt and pepper", "reads as several things"),
         ("stuff", "could be anything"),
         ("the", "could be anything"),
+        ("please", "could be anything"),
     ],
 )
 def test_a_name_that_is_not_one_thing_to_a_question_is_refused(text, message):

@@ -6,16 +6,20 @@ import numpy as np
 import pytest
 
 from sceneq_core.mapping.delta import REMOVED
+from sceneq_core.reasoning.reasoner import LabelVerdict
+from sceneq_core.routing.label_board import InstanceLabel, LabelBoard
 from sceneq_core.routing.labels import ENCODER, INHERITED, TAUGHT
 from sceneq_core.routing.names import NO_NAMES
 from sceneq_core.teaching.evidence import Judgement
+from sceneq_core.teaching.reading import MAX_HEIRS
 from sceneq_core.teaching.taught import when
 from sceneq_core.teaching.wording import CATEGORY, INDIVIDUAL
 
-from support.furnished import ROOM, Thing, instance
+from support.furnished import ROOM, Thing, instance, router
 from support.taught import STAMP_NS, TaughtRoom
 
 MUG = "aunt Mary's mug"
+ROUTER = router()
 RED_CUP, BLUE_CUP, CHAIRS, BOX = 6, 7, (11, 12, 13), 14
 
 
@@ -124,8 +128,8 @@ def test_a_name_follows_a_merge_and_what_that_is_merged_into(room):
     room.book.follow(5, [removed(RED_CUP, BLUE_CUP), removed(BLUE_CUP, BOX)])
     room.book.settle(room.bare, room.album)
     assert room.label(BOX).name == MUG
-    assert [one.spot.instance_id for one in room.book.take_changes()] == [BOX]
-    assert room.book.take_changes() == ()
+    assert [one.spot.instance_id for one in room.book.take_moved()] == [BOX]
+    assert room.book.take_moved() == ()
 
 
 def test_a_merge_in_another_map_means_other_things(room):
@@ -146,7 +150,7 @@ def test_a_new_map_gives_other_ids_and_the_name_finds_its_thing(room):
     held = room.book.held(taught)
     assert held.instance_id == len(ROOM) + 1 - RED_CUP
     assert held.p > 0.99
-    (written,) = room.book.take_changes()
+    (written,) = room.book.take_moved()
     assert (written.spot.instance_id, written.spot.map_epoch) == (held.instance_id, 6)
 
 
@@ -168,32 +172,42 @@ def test_a_doubtful_find_is_shown_with_its_p_but_not_written_down(room):
     held = room.book.held(taught)
     assert 0.5 < held.p < 0.9
     assert room.label(RED_CUP).p == pytest.approx(0.99 * held.p)
-    assert room.book.take_changes() == ()
+    (given,) = room.seen.names.given[MUG.lower()]
+    assert given.reason.endswith(f"UTC, this is it with p {0.99 * held.p:.2f}")
+    assert room.book.take_moved() == ()
 
 
 def test_looks_of_two_encoders_are_not_compared(room):
     taught = room.teach(CHAIRS[0], "windsor")
-    other = replace(taught, looks=replace(taught.looks, model_id="other"))
     room.book.forget([taught])
-    room.book.teach(other)
+    room.book.teach(replace(taught, looks=replace(taught.looks, model_id="other")))
     assert room.label(CHAIRS[0]).source == TAUGHT
     assert room.label(CHAIRS[1]).source == ENCODER
+
+
+def test_after_a_change_of_the_encoder_what_was_taught_is_seen_anew(room):
+    taught = room.teach(CHAIRS[0], "windsor")
+    room.book.forget([taught])
+    room.book.teach(replace(taught, looks=replace(taught.looks, model_id="other")))
     room.map(ROOM, epoch=6)
-    assert room.book.held(other).p == pytest.approx(1.0)
+    assert room.book.held(taught).p == pytest.approx(1.0)
+    (anew,) = room.book.take_seen_anew()
+    assert (anew.looks.model_id, anew.number) == ("words", taught.number)
+    assert room.label(CHAIRS[1]).source == INHERITED
 
 
 def test_a_thing_that_moves_takes_its_name_along(room):
     taught = room.teach(RED_CUP, MUG)
     room.map(moved(ROOM, RED_CUP, (1.0, 0.0, 0.0)))
     assert room.book.held(taught).p == 1.0
-    (written,) = room.book.take_changes()
+    (written,) = room.book.take_moved()
     assert written.spot.centre_world[0] == pytest.approx(taught.spot.centre_world[0] + 1.0)
 
 
 def test_a_small_move_is_not_worth_writing_down(room):
     room.teach(RED_CUP, MUG)
     room.map(moved(ROOM, RED_CUP, (0.1, 0.0, 0.0)))
-    assert room.book.take_changes() == ()
+    assert room.book.take_moved() == ()
 
 
 def test_an_empty_map_holds_nothing(room):
@@ -208,3 +222,34 @@ def test_names_know_who_and_when(room):
     assert taught.told == "taught by anna on 2026-11-22 16:05 UTC"
     assert when(STAMP_NS) == "2026-11-22 16:05 UTC"
     assert (taught.kind, room.teach(BOX, "bread bin").kind) == (INDIVIDUAL, CATEGORY)
+
+
+def test_the_stream_of_labels_says_what_was_taught_and_takes_it_back(room):
+    board = LabelBoard(ROUTER.namer)
+    board.update(room.bare)
+    room.teach(RED_CUP, MUG)
+    (told,) = board.update(room.seen).labels
+    assert told == InstanceLabel(RED_CUP, MUG, 0.99, accepted=True, source=TAUGHT)
+    room.book.forget(room.book.taught)
+    (told,) = board.update(room.seen).labels
+    assert told.source == ENCODER
+
+
+def test_a_reasoner_may_add_to_a_taught_name_but_not_replace_it(room):
+    room.teach(RED_CUP, MUG)
+    row = room.bare.find(RED_CUP)
+    guessed = ROUTER.namer.label(room.bare, row, 1).labels[0].name
+    naming = ROUTER.namer.conclude(room.seen, row, LabelVerdict(((guessed, 1.0),), "seen", 1))
+    assert [label.name for label in naming.labels] == [MUG, guessed]
+    assert (naming.status, naming.route) == ("found", "reasoned")
+    assert naming.reason == f"'{MUG}' was taught by anna on 2026-11-22 16:05 UTC"
+
+
+def test_more_than_so_many_look_alikes_do_not_inherit():
+    things = tuple(Thing("pebble", (0.3 * i, 0, 0), (0.3 * i + 0.1, 0.1, 0.1)) for i in range(250))
+    room = TaughtRoom(things)
+    room.teach(1, "gravel")
+    heirs = [one for one in room.seen.instances if one.label.source == INHERITED]
+    assert len(heirs) in (MAX_HEIRS - 1, MAX_HEIRS)
+    others = room.album.cosines(room.book.taught[0], room.bare.columns.instance_id.astype(int))
+    assert min(one.label.cosine for one in heirs) >= np.sort(others)[-MAX_HEIRS]

@@ -1,12 +1,16 @@
 """The linear probe: what it says, how it is taught, and its file."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from sceneq_core.encoding.colour import COLOUR_TERMS
 from sceneq_core.encoding.joint import CLASSES, dimensions, image_vector, text_vector
+from sceneq_core.encoding.lessons import Lessons
 from sceneq_core.encoding.probe import Probe
 from sceneq_core.encoding.probe_training import ProbeTrainingParams, train_probe
+from sceneq_core.encoding.usual_sizes import UsualSizes
 from sceneq_nodes._probe_file import HOUSEHOLD, read_probe, write_probe
 from sceneq_tools.probe_examples import as_arrays, examples
 
@@ -29,7 +33,7 @@ def clusters(count=40, seed=3):
 
 def test_its_probabilities_are_a_softmax_of_the_unit_feature():
     said = probe().probabilities(np.array([0.0, 3.0, 0.0, 4.0], np.float32))
-    raw = np.exp(np.array([0.0, 0.6, 0.0]) / 2.0)
+    raw = np.exp(np.array([0.0, 0.6, 0.0]))
     assert said == pytest.approx(raw / raw.sum(), abs=1e-6)
 
 
@@ -82,16 +86,41 @@ def test_a_name_of_the_probe_finds_its_crop():
     assert crop @ cup > 0.9 > 0.3 > crop @ desk
 
 
+def lessons(text_vectors=None):
+    sizes = UsualSizes(np.zeros((3, 4)), np.array([[1.0] * 4, [2.0] * 4, [np.inf] * 4]))
+    vectors = np.eye(4, 384, dtype=np.float32) if text_vectors is None else text_vectors
+    return Lessons(probe((0.5, 0.0, -0.5)), sizes, vectors, np.array([0, 1, 2, 0]))
+
+
+TEXTS = ("cup", "desk", "lamp", "mug")
+
+
 def test_a_file_comes_back_as_it_was_written(tmp_path):
-    path, vectors = tmp_path / "probe.npz", np.eye(3, 384, dtype=np.float32)
-    write_probe(path, probe((0.5, 0.0, -0.5)), vectors)
+    path = tmp_path / "probe.npz"
+    write_probe(path, lessons(), TEXTS, "0123")
     back = read_probe(path)
-    assert back.probe.names == NAMES
-    assert np.array_equal(back.probe.weights, np.eye(4, 3))
-    assert np.array_equal(back.name_vectors, vectors)
+    assert (back.lessons.probe.names, back.taught_with) == (NAMES, "0123")
+    assert np.array_equal(back.lessons.probe.weights, np.eye(4, 3))
+    assert np.array_equal(back.lessons.sizes.spread, lessons().sizes.spread)
+    assert np.array_equal(back.lessons.text_vectors, np.eye(4, 384))
+    assert back.lessons.text_of.tolist() == [0, 1, 2, 0]
     first = path.read_bytes()
-    write_probe(path, probe((0.5, 0.0, -0.5)), vectors)
+    write_probe(path, lessons(), TEXTS, "0123")
     assert path.read_bytes() == first
+
+
+def test_a_name_is_as_close_to_words_as_the_closest_of_its_texts():
+    mug = np.eye(384, dtype=np.float32)[3]
+    assert lessons().similarity(mug).tolist() == [1.0, 0.0, 0.0]
+
+
+def test_lessons_that_do_not_fit_are_refused():
+    with pytest.raises(ValueError, match="not every one of 3 names has a text"):
+        replace(lessons(), text_of=np.array([0, 1, 1, 0]))
+    with pytest.raises(ValueError, match="text_of: 3 rows for 4 texts"):
+        replace(lessons(), text_of=np.array([0, 1, 2]))
+    with pytest.raises(ValueError, match="sizes: of 2 names, the probe has 3"):
+        replace(lessons(), sizes=UsualSizes(np.zeros((2, 4)), np.ones((2, 4))))
 
 
 def test_what_is_no_probe_is_named(tmp_path):
@@ -101,16 +130,19 @@ def test_what_is_no_probe_is_named(tmp_path):
     bad.write_bytes(b"nothing of the kind")
     with pytest.raises(ValueError, match=r"bad\.npz: no probe file"):
         read_probe(bad)
-    write_probe(bad, probe(), np.zeros((3, 7), np.float32))
-    with pytest.raises(ValueError, match=r"name_vectors: expected \(3, 384\)"):
+    write_probe(bad, lessons(np.zeros((4, 7), np.float32)), TEXTS, "")
+    with pytest.raises(ValueError, match=r"text_vectors: expected rows of 384, got \(4, 7\)"):
         read_probe(bad)
 
 
 def test_the_household_probe_comes_with_the_program():
-    household = read_probe(HOUSEHOLD)
-    assert {"coffee mug", "sofa", "potted plant"} <= set(household.probe.names)
-    assert len(household.probe) > 100
-    assert np.linalg.norm(household.name_vectors, axis=1) == pytest.approx(1, abs=1e-2)
+    household = read_probe(HOUSEHOLD).lessons
+    assert {"coffee mug", "sofa", "chandelier", "air conditioner"} <= set(household.probe.names)
+    assert len(household.probe) > 250
+    assert np.linalg.norm(household.text_vectors, axis=1) == pytest.approx(1, abs=1e-2)
+    assert HOUSEHOLD.stat().st_size < 3e6
+    of = dict(zip(household.probe.names, np.exp(household.sizes.mean[:, 0]), strict=True))
+    assert of["sofa"] > of["armchair"] > of["coffee mug"]
 
 
 def test_examples_are_the_crops_of_true_things_with_their_names(tmp_path):

@@ -40,7 +40,7 @@ def test_each_relation_likes_its_own_place_best(relation):
     assert scores[relation] > 0.5
 
 
-@pytest.mark.parametrize("relation", sorted(RELATIONS))
+@pytest.mark.parametrize("relation", sorted(set(RELATIONS) - {"far_from"}))
 def test_no_relation_reaches_across_the_house(relation):
     assert score(relation, FAR) < 0.05
 

@@ -41,7 +41,8 @@ def kept(then: Problem, verdict: Verdict = VERDICT) -> Remembered[Verdict]:
 
 def test_the_same_question_about_the_same_things_is_free():
     again = kept(problem()).recall(problem("The cup  on the COFFEE table"))
-    assert again == replace(VERDICT, vlm_calls=0, usage=Usage(), cached=True)
+    assert again == replace(VERDICT, cached=True)
+    assert (VERDICT.billed, again.billed) == ((2, VERDICT.usage), (0, Usage()))
 
 
 def test_another_question_is_another_one():
@@ -132,10 +133,16 @@ def test_another_map_ends_it():
 
 
 def test_the_viewpoint_counts_where_the_question_needs_it():
-    for text, counts in ((TEXT, False), ("the cup left of the couch", True), ("nearest cup", True)):
+    for text, counts in (
+        (TEXT, False),
+        ("the largest cup", False),
+        ("the cup left of the couch", True),
+        ("the leftmost cup", True),
+        ("nearest cup", True),
+    ):
         scene = furnish(noise=0.0)
         first = problem(text, scene=scene)
-        scene.move_viewpoint(first.viewpoint_world + [0.3, 0.0, 0.0])
+        scene.move_viewpoint(first.viewpoint_world + np.array([0.3, 0.0, 0.0]))
         assert (kept(first).recall(problem(text, scene=scene)) is None) == counts, text
 
 
@@ -173,7 +180,7 @@ def test_a_name_holds_while_the_same_views_show_the_same_labels():
     verdict = LabelVerdict((("cup", 1.0),), "seen", 3)
     remembered.keep(first, verdict)
     moved_box = replace(first, views=((10, (1.5, 2.0, 3.0, 4.0)), (20, box)))
-    assert remembered.recall(moved_box) == replace(verdict, vlm_calls=0, cached=True)
+    assert remembered.recall(moved_box) == replace(verdict, cached=True)
     assert remembered.recall(replace(first, instance_id=8)) is None
     for changed in (
         replace(first, views=((10, box), (30, box))),
@@ -189,5 +196,3 @@ def test_a_name_holds_while_the_same_views_show_the_same_labels():
 def test_bad_parameters_are_named(name):
     with pytest.raises(ValueError, match=name):
         RememberedParams(**{name: -1})
-
-

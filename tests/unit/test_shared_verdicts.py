@@ -17,7 +17,7 @@ UP = np.array([0.0, 0.0, 1.0])
 QUESTION = Problem("the cup", "cup", (), (), UP, np.zeros(3), time_s=5.0)
 OTHER = replace(QUESTION, text="the bowl", target="bowl")
 VERDICT = Verdict(((6, 0.8),), "seen", 1, Usage(1600, 9, 0.01))
-PAID_FOR = replace(VERDICT, vlm_calls=0, usage=Usage(), cached=True)
+PAID_FOR = replace(VERDICT, cached=True)
 
 
 class Slow:

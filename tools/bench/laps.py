@@ -16,7 +16,7 @@ from sceneq_schemas.topics import FRAME, MASK
 from sceneq_tools.batch import INGEST, Batch
 from sceneq_tools.bench.lapping import HEADER, MAPPING
 from sceneq_tools.bench.measurement import Measurement, Options, median
-from sceneq_tools.bench.recording import open_plan, play
+from sceneq_tools.bench.recording import open_plan, play, replace_params
 from sceneq_tools.errors import UserError
 from sceneq_tools.graph_plan import Plan
 from sceneq_tools.progress import progress
@@ -88,11 +88,6 @@ def keyframes_of(plan: Plan, options: Options) -> Kept:
     finally:
         batch.close()
     return kept
-
-
-def replace_params(node: Any, params: dict[str, Any]) -> Any:
-    """Return a node of a graph with other parameters."""
-    return node.model_copy(update={"params": {**node.params, **params}})
 
 
 @contextmanager

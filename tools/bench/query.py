@@ -1,6 +1,7 @@
 """Questions to a routing node, from another process, beside a bare get of as many bytes."""
 
 import json
+import subprocess
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,7 +19,7 @@ from sceneq_tools.errors import UserError
 
 QUESTIONS = ("chair", "red mug", "table", "the picture on the wall", "a book", "lamp", "sofa")
 TIMEOUT_S = 10.0
-READY_S = 30.0
+READY_S, POLL_S = 30.0, 0.1
 LEAST = 20
 MAPPING_HZ = 10.0
 """Keyframes a second: the goal for the mapping on two cores."""
@@ -63,16 +64,18 @@ def routing(endpoint: str, client: Client, fed: Fed) -> Iterator[None]:
     """Run the routing node of the graph in a process of its own, once it has caught up.
 
     Raises:
-        ConnectionError: it does not within ``READY_S``.
+        ConnectionError: it ends, or does not within ``READY_S``.
     """
     said = [f"--param={name}={json.dumps(value)}" for name, value in fed.params.items()]
     command = ("routing", "--endpoint", endpoint, "--scene", fed.scene, *said)
-    with running("sceneq_nodes", *command):
+    with running("sceneq_nodes", *command, errors=subprocess.DEVNULL) as process:
         end_s = time.monotonic() + READY_S
         while answerable(client, fed.scene) < fed.answerable:
+            if (code := process.poll()) is not None:
+                raise ConnectionError(f"the routing node ended with exit code {code}")
             if time.monotonic() > end_s:
                 raise ConnectionError(f"the routing node is not ready after {READY_S:g} s")
-            time.sleep(0.1)
+            time.sleep(POLL_S)
         yield
 
 

@@ -1,15 +1,33 @@
 """A recording run through the nodes in this process, for the benches that need a map."""
 
-from sceneq_tools.batch import Batch
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from sceneq_tools.batch import ENCODING, Batch
 from sceneq_tools.bench.measurement import Options
 from sceneq_tools.errors import UserError
+from sceneq_tools.graph import GraphNode
 from sceneq_tools.graph_plan import Plan
 from sceneq_tools.progress import progress
 
 
 def open_batch(options: Options) -> Batch:
-    """Return the graph on ``options.source``, before its first frame; raise like ``open_plan``."""
-    return Batch(open_plan(options))
+    """Return the graph on ``options.source``, before its first frame; raise like ``open_plan``.
+
+    One instance is described at a time: what is done ahead would be in the way of other stages.
+    """
+    plan = open_plan(options)
+    nodes = tuple(
+        replace_params(node, {"at_once": 1}) if node.node_kind == ENCODING else node
+        for node in plan.nodes
+    )
+    return Batch(replace(plan, nodes=nodes))
+
+
+def replace_params(node: GraphNode, params: Mapping[str, Any]) -> GraphNode:
+    """Return a node of a graph with other parameters."""
+    return node.model_copy(update={"params": {**node.params, **params}})
 
 
 def open_plan(options: Options) -> Plan:

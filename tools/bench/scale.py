@@ -1,6 +1,7 @@
 """A large scene in memory: what a question costs, and what a change does, beside the product."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -41,8 +42,8 @@ def scale(options: Options) -> Iterator[Measurement]:
         scene.snapshot()
 
     questions = {text: router.read(text) for text in (QUESTION, COLOURED, SPATIAL)}
-    works = [lambda: matrix @ vector, change]
-    works += [lambda text=text: router.answer(snapshot, questions[text]) for text in questions]
+    works: list[Callable[[], object]] = [lambda: matrix @ vector, change]
+    works += [partial(router.answer, snapshot, question) for question in questions.values()]
     product_ms, changed_ms, *asked_ms = in_turns_ms(works, options.seconds, 2, LEAST)
     of = f"of {INSTANCES:,} x {DIM}".replace(",", " ")
     for text, taken_ms in zip(questions, asked_ms, strict=True):
@@ -65,8 +66,13 @@ class RandomEncoder:
         return self._rows([digest(np.frombuffer(text.encode(), np.uint8)) for text in texts])
 
     def _rows(self, seeds: Sequence[int]) -> Float32:
-        rows = [unit(np.random.default_rng(seed).normal(size=DIM)) for seed in seeds]
+        rows = [direction(np.random.default_rng(seed)) for seed in seeds]
         return np.array(rows, np.float32).reshape(-1, DIM)
+
+
+def direction(rng: np.random.Generator) -> Float32:
+    """Return a random vector (DIM,) of length 1."""
+    return unit(rng.normal(size=DIM).astype(np.float32))
 
 
 def digest(values: UInt8) -> int:
@@ -79,7 +85,7 @@ def fill(scene: Scene, instances: Sequence[Instance]) -> None:
     rng = np.random.default_rng(1)
     ids = [one.instance_id for one in instances]
     views = {number: (ViewRef(1, (100.0, 100.0, 200.0, 200.0)),) for number in ids}
-    rows = {number: unit(rng.normal(size=DIM).astype(np.float32)) for number in ids}
+    rows = {number: direction(rng) for number in ids}
     scene.apply_map(Revision(1, 1, 1), instances, np.array([0.0, 0.0, 1.0]), full=True)
     scene.apply_views(1, views)
     scene.apply_descriptors(1, rows, np.zeros(0, np.int32))

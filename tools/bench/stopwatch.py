@@ -14,8 +14,13 @@ class Stopwatch:
     ``after`` is told the stage after each of its calls, with the watch stopped.
     """
 
-    def __init__(self, after: Callable[[str], None] | None = None) -> None:
+    def __init__(
+        self,
+        after: Callable[[str], None] | None = None,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
         self._after = after
+        self._clock = clock
         self.taken_ms: dict[str, list[float]] = {}
 
     @contextmanager
@@ -49,11 +54,11 @@ class Stopwatch:
 
         @wraps(plain)
         def timed(*args: Any, **kwargs: Any) -> Any:
-            start_s = time.perf_counter()
+            start_s = self._clock()
             try:
                 return plain(*args, **kwargs)
             finally:
-                taken_ms.append(1000 * (time.perf_counter() - start_s))
+                taken_ms.append(1000 * (self._clock() - start_s))
                 if self._after is not None:
                     self._after(stage)
 

@@ -15,7 +15,7 @@ from sceneq_tools.evaluation.retrieval_queries import Query
 
 CLAIMS = (
     "claims: answers of the encoder alone that say found or not_found, right when the first match "
-    "is a target, or nothing is; AUROC of absence: by the evidence that there is such a thing"
+    "is a target, or nothing is; AUROC of absence: by 1 - presence"
 )
 
 
@@ -75,7 +75,7 @@ def claims_of(made: Sequence[Claim], asked: Sequence[Guess]) -> Claims:
         not_found=len(not_found),
         not_found_right=sum(not_found),
         absent=int(absent.sum()),
-        absence_auroc=auroc(-np.array([one.evidence for one in asked], np.float64), absent),
+        absence_auroc=auroc(np.array([one.absence for one in asked], np.float64), absent),
     )
 
 

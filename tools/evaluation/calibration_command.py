@@ -34,7 +34,10 @@ GATE_COLUMNS = ("threshold", "x 0.9", "x 1", "x 1.1")
 
 Recordings = Annotated[
     list[Path],
-    typer.Argument(metavar="RECORDING", help="Rendered recordings with queries and truth."),
+    typer.Argument(
+        metavar="RECORDING",
+        help="Rendered, with queries and truth; of suites a split of the rooms.",
+    ),
 ]
 
 
@@ -62,13 +65,30 @@ def run(
         write_json({**setup.named(), "fitted_on": seen, **report.as_dict()}, json_file)
 
 
-def read_scenes(recordings: Sequence[Path], setup: "Setup", quiet: bool) -> "list[Scene]":
-    """Return the questions and true instances of every recording."""
+def read_scenes(
+    recordings: Sequence[Path], setup: "Setup", quiet: bool, split: str = "test"
+) -> "list[Scene]":
+    """Return the questions and true instances of every recording.
+
+    A suite stands for its rooms of ``split``, seen as often as it says.
+    """
     from sceneq_tools.evaluation.calibration import Scene
     from sceneq_tools.evaluation.retrieval_queries import read_questioned
 
-    read = [read_questioned(folder) for folder in recordings]
-    return [Scene(questioned, true_of(questioned, setup, quiet)) for questioned in read]
+    chosen = [one for path in recordings for one in _rooms(path, split)]
+    read = [(read_questioned(path), setup.seeing(every)) for path, every in chosen]
+    return [Scene(questioned, true_of(questioned, seeing, quiet)) for questioned, seeing in read]
+
+
+def _rooms(path: Path, split: str) -> list[tuple[Path, int | None]]:
+    """Return the recordings that a path stands for, and which frames are keyframes."""
+    from sceneq_tools.evaluation.suite_recordings import recordings_of
+    from sceneq_tools.suite import is_suite
+
+    if not is_suite(path):
+        return [(path, None)]
+    found = recordings_of([path])
+    return [(one.folder, one.every) for one in found if one.split == split]
 
 
 def tuned_on(scenes: "Sequence[Scene]", setup: "Setup") -> list[str]:

@@ -10,6 +10,7 @@ from sceneq_core.evaluation.gate_decisions import Decisions
 from sceneq_core.evaluation.proper_scores import LEAST_P
 from sceneq_core.routing.gate import Confidence
 from sceneq_core.routing.labels import Labeller
+from sceneq_core.routing.null import NO_EVIDENCE, Evidence
 from sceneq_core.routing.router import Router
 from sceneq_tools.evaluation.retrieval_candidates import Candidates
 from sceneq_tools.evaluation.retrieval_queries import Query
@@ -20,15 +21,16 @@ from sceneq_tools.evaluation.true_things import TrueThing
 class Guess:
     """A distribution ``p`` (C,) over the choices of ``what``, and which ``is_right`` (C,).
 
-    ``p_null`` is what is left to "none of them", which is right when no choice is. ``evidence`` is
-    what that is judged by.
+    ``p_null`` is what is left to "none of them", which is right when no choice is; ``absence`` is
+    the same without a calibration, only good to compare. ``evidence`` is what it is judged by.
     """
 
     what: str
     p: Float64
     is_right: Bool
     p_null: float = 0.0
-    evidence: float = 0.0
+    absence: float = 0.0
+    evidence: Evidence = NO_EVIDENCE
 
     @property
     def has_answer(self) -> bool:
@@ -71,7 +73,8 @@ def question_guesses(
         fit = router.fits(candidates.snapshot, question)[question.phrase.target]
         is_right = np.isin(ids, right_candidates(candidates, query))
         p = (1.0 - fit.p_null) * fit.p
-        guesses.append(Guess(query.text, p, is_right, fit.p_null, fit.evidence))
+        absence = 1.0 - fit.presence
+        guesses.append(Guess(query.text, p, is_right, fit.p_null, absence, fit.evidence))
     return guesses
 
 

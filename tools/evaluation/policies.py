@@ -1,6 +1,7 @@
 """``sceneq eval ablation --policies``: which questions are worth the reasoner?"""
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 import typer
@@ -85,7 +86,7 @@ def _verdict(one: Curve) -> str:
 def _for_graph(one: Curve) -> str:
     """Return the measured skills as parameters of the routing node."""
     skills = (
-        f"{kind}: {{mends: {skill.mends:.2f}, keeps: {skill.keeps:.2f}}}"
+        f"{kind}: {{{', '.join(f'{name}: {value:.2f}' for name, value in asdict(skill).items())}}}"
         for kind, skill in one.skills.items()
     )
     return f"policy: {{kind: adaptive, outlook: {{{', '.join(skills)}}}}}\n"

@@ -76,7 +76,12 @@ def _draw(image: UInt8, curve: Curve, panel: _Panel) -> None:
     ends = [curve.point(name) for name in (NEVER, ALWAYS)]
     _line(image, [panel.at(min(end.cost, 1.0), end.accuracy) for end in ends], GREY, 1)
     scaled, limited = _split(curve.points)
-    for points, colour in ((limited, SAND), (scaled, ORANGE), (_of(curve, ADAPTIVE), BLUE)):
+    adaptive = _of(curve, ADAPTIVE)
+    for points, colour in (
+        (ends[:1] + limited, SAND),
+        (scaled, ORANGE),
+        (ends[:1] + adaptive, BLUE),
+    ):
         places = [panel.at(min(one.cost, 1.0), one.accuracy) for one in points]
         _line(image, places, colour, 2)
         for place in places:
@@ -117,7 +122,8 @@ def _line(image: UInt8, places: Sequence[tuple[int, int]], colour: Colour, width
 
 def _mark(image: UInt8, place: tuple[int, int], name: str) -> None:
     cv2.circle(image, place, 4, INK, -1, cv2.LINE_AA)
-    write(image, name, (place[0] - 10, place[1] + 8), TEXT, INK)
+    below = place[1] + 8 if place[1] < TOP + SIDE - 30 else place[1] - 24
+    write(image, name, (place[0] - 14, below), TEXT, INK, halo=True)
 
 
 def _centred(image: UInt8, says: str, x: int, y: int) -> None:

@@ -3,8 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from sceneq_core.evaluation.null_fit import fit_logistic
 from sceneq_core.routing.judge import JudgeParams
-from sceneq_core.routing.outlook import KINDS, Skill
+from sceneq_core.routing.outlook import KINDS, Skill, log_odds
 from sceneq_core.routing.policy import Case, case_of
 from sceneq_core.routing.router import Router
 from sceneq_tools.evaluation.calibration import Scene
@@ -127,7 +130,14 @@ def _skill(outcomes: Sequence[Outcome]) -> Skill:
     usual = Skill()
     wrong = [one.reasoned_right for one in outcomes if not one.fast_right]
     right = [one.reasoned_right for one in outcomes if one.fast_right]
-    return Skill(
-        mends=sum(wrong) / len(wrong) if wrong else usual.mends,
-        keeps=sum(right) / len(right) if right else usual.keeps,
-    )
+    measured = Skill(mends=_share(wrong, usual.mends), keeps=_share(right, usual.keeps))
+    if not wrong or not right:
+        return measured
+    odds = np.array([log_odds(one.case.p_right) for one in outcomes], np.float64)
+    fast_right = np.array([one.fast_right for one in outcomes], np.bool_)
+    (scale, bias), _ = fit_logistic(odds[:, None], fast_right)
+    return replace(measured, scale=float(min(scale, 10.0)), bias=float(np.clip(bias, -10.0, 10.0)))
+
+
+def _share(yes: Sequence[bool], otherwise: float) -> float:
+    return sum(yes) / len(yes) if yes else otherwise

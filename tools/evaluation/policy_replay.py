@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sceneq_core.routing.budget import Budget, Cost, Ledger, OverBudgetError
-from sceneq_core.routing.outlook import THING, Outlook
+from sceneq_core.routing.outlook import ABSENCE, RELATION, THING, Outlook, OutlookParams
 from sceneq_core.routing.policy import PolicyParams, new_policy
 from sceneq_tools.evaluation.policy_outcomes import Outcome, skills_of
 
@@ -69,7 +69,8 @@ def _judged_by(
         return
     for name in names:
         skills = skills_of([one for one in outcomes if one.recording != name])
-        yield replace(plain, outlook=replace(plain.outlook, **skills)), frozenset([name])
+        outlook = OutlookParams(skills[THING], skills[RELATION], skills[ABSENCE])
+        yield replace(plain, outlook=outlook), frozenset([name])
 
 
 def _run(
@@ -85,7 +86,7 @@ def _run(
         calls, refused = 0, False
         if policy.decide(case, now_s).ask:
             try:
-                ticket = ledger.reserve(outlook.dearest(THING), now_s)
+                ticket = ledger.reserve(outlook.dearest(THING, contender.budget), now_s)
             except OverBudgetError:
                 refused = True
             else:

@@ -205,7 +205,7 @@ def calibration(record: Json) -> Table:
     """Return the measures of every task in one setting."""
     columns = (
         *("guesses", "n", "right", "mean p", "NLL", "Brier", "top Brier", "ECE width"),
-        *("ECE mass", "AURC", "least AURC", "AUROC p", "margin", "entropy"),
+        *("ECE mass", "by chance", "AURC", "least AURC", "AUROC p", "margin", "entropy"),
     )
     rows = tuple(_task_row(task) for task in record["tasks"])
     title = f"{record['split']}, {record['setting']}: T {record['temperature']:g}"
@@ -213,7 +213,7 @@ def calibration(record: Json) -> Table:
 
 
 def _task_row(task: Json) -> Row:
-    numbers = ("confidence", "nll", "brier", "top_brier", "ece_width", "ece_mass")
+    numbers = ("confidence", "nll", "brier", "top_brier", "ece_width", "ece_mass", "ece_noise")
     return (
         *(task_name(task), str(task["guesses"]), f"{100 * task['accuracy']:.0f} %"),
         *(ap(task[name]) for name in (*numbers, "aurc", "least_aurc")),

@@ -24,7 +24,7 @@ GraphFile = Annotated[
 ]
 CalibrationFile = Annotated[
     Path | None,
-    typer.Option("--calibration", metavar="FILE", help="Replaces the one the graph names."),
+    typer.Option("--calibration", metavar="FILE", help="Replaces the graph's; none = none."),
 ]
 JsonFile = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write all numbers.")]
 Queries = Annotated[

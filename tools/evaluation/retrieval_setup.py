@@ -52,6 +52,10 @@ class Setup:
         """The encoder with the temperature that the router uses."""
         return self.calibration.of_encoder(self.encoder) if self.calibration else self.encoder
 
+    def seeing(self, every: int | None) -> "Setup":
+        """Return the same with each so-manieth frame a keyframe; ``None`` = as the graph says."""
+        return replace(self, keyframes={"kind": "every", "every": every}) if every else self
+
     def with_calibration(self, calibration: Calibration | None) -> "Setup":
         """Return the same with another calibration or none; ``ValueError`` as ``new_router``."""
         label_set = self.router.labeller.label_set

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from sceneq_core.routing.answer import FALLBACK, FAST, REASONED
@@ -90,7 +90,7 @@ def read_suite_scene(
         mapped=made,
         judged=(prediction, truth),
         own=map_candidates(made.folder, recording.folder, truth, setup, THRESHOLDS),
-        true=true_of(questioned, _seeing(setup, recording), quiet),
+        true=true_of(questioned, setup.seeing(recording.every), quiet),
     )
 
 
@@ -120,10 +120,3 @@ def route_counts(asked: Sequence[Asked]) -> Mapping[str, Mapping[str, int]]:
         for answer in one.retrieval.answers:
             counts[answer.route][RIGHT if one.is_right(answer) else WRONG] += 1
     return counts
-
-
-def _seeing(setup: Setup, recording: Recording) -> Setup:
-    """Return the setup with the keyframes of the recording, so that the truth is seen as often."""
-    if recording.every is None:
-        return setup
-    return replace(setup, keyframes={"kind": "every", "every": recording.every})

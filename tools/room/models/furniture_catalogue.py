@@ -25,6 +25,7 @@ class CatalogueEntry:
         size_m: width (x), height (y) and depth (z) of the model as it should appear.
         rotation: (3, 3) to be applied to the OBJ file's points first, or ``None``.
         creator: who made it.
+        elevation_m: how high above the floor it usually hangs; 0 for what stands.
     """
 
     id: str
@@ -33,6 +34,7 @@ class CatalogueEntry:
     size_m: tuple[float, float, float]
     rotation: Float64 | None
     creator: str
+    elevation_m: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,6 +93,7 @@ def _entry(number: int, values: dict[str, str]) -> CatalogueEntry:
         ),
         rotation=_rotation(values["modelRotation"], number) if "modelRotation" in values else None,
         creator=values.get("creator", ""),
+        elevation_m=_numbers(values.get("elevation", "0"), 1, f"elevation#{number}")[0] / 100,
     )
 
 

@@ -69,6 +69,14 @@ class SweetHomeLibrary:
             self._meshes[key] = self._made(*key)
         return self._meshes[key]
 
+    def entry(self, model_id: str) -> CatalogueEntry:
+        """Return what the catalogue says of a model; raise ``ValueError`` when there is none."""
+        return self._source(model_id).entry
+
+    def forget_meshes(self) -> None:
+        """Free the memory of the meshes that were read."""
+        self._meshes.clear()
+
     def attribution(self, model_id: str) -> str:
         """Return name, author, library and licence in one line."""
         source = self._source(model_id)

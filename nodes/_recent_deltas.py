@@ -1,0 +1,62 @@
+"""The last deltas of the map, for a reader that missed some and must not skip any."""
+
+from collections import deque
+from collections.abc import Iterable
+
+from sceneq_nodes._bus import QueryError, Request
+from sceneq_schemas.map import MapDelta
+
+MAX_DELTAS = 256
+MAX_VOXELS = 2_000_000
+"""About 60 MB: whoever needs more than that is better served by the whole map."""
+
+
+class RecentDeltas:
+    """Deltas in the order of their numbers, of this run of the writer and the end of the last.
+
+    Args:
+        complete_after: every delta with content beyond this number is here.
+        begin: the number before the first of this run.
+        before: the deltas of the last run. What it may have told beyond them did not reach the
+            disk, or had no content.
+    """
+
+    def __init__(
+        self, complete_after: int = 0, begin: int = 0, before: Iterable[MapDelta] = ()
+    ) -> None:
+        self._complete_after = complete_after
+        self._deltas: deque[MapDelta] = deque()
+        self._voxels = 0
+        for delta in before:
+            self.add(delta)
+        self._begin = begin
+        self._known = self._deltas[-1].seq if self._deltas else complete_after
+
+    def add(self, delta: MapDelta) -> None:
+        """Remember the newest; forget the oldest when there are too many."""
+        self._deltas.append(delta)
+        self._voxels += len(delta.voxel_id)
+        while len(self._deltas) > MAX_DELTAS or self._voxels > MAX_VOXELS:
+            oldest = self._deltas.popleft()
+            self._voxels -= len(oldest.voxel_id)
+            self._complete_after = oldest.seq
+
+    def after(self, seq: int) -> tuple[MapDelta, ...] | None:
+        """Return the deltas beyond ``seq``, ``None`` when one may be forgotten."""
+        if seq < self._complete_after or self._known < seq < self._begin:
+            return None
+        return tuple(delta for delta in self._deltas if delta.seq > seq)
+
+
+def wanted_deltas(request: Request) -> tuple[int, int]:
+    """Return the ``epoch`` and ``after`` that a request names.
+
+    Raises:
+        QueryError: ``bad_request``, no whole numbers.
+    """
+    texts = [request.parameters.get(name, "") for name in ("epoch", "after")]
+    if not all(text.isascii() and text.isdigit() and len(text) <= 18 for text in texts):
+        raise QueryError(
+            "bad_request", "expected whole numbers", "try ?epoch=1700000000000;after=7"
+        )
+    return int(texts[0]), int(texts[1])

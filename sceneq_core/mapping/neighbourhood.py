@@ -1,0 +1,70 @@
+"""Which superpoints lie side by side, in all keyframes so far, and which are in view."""
+
+import numpy as np
+
+from sceneq_core.arrays import Bool, Int32
+from sceneq_core.mapping.borders import LOW, SHIFT, Borders
+from sceneq_core.mapping.contacts import Contacts
+from sceneq_core.mapping.rows import marked
+from sceneq_core.mapping.superpoints import SuperpointChange
+from sceneq_core.mapping.tally import Tally
+from sceneq_core.mapping.visibility import Visible
+
+
+class Neighbourhood:
+    """The contacts of all superpoints, each pair under both of them, and the ones in view.
+
+    Only superpoints that live have contacts: the size of the surface bounds the table.
+    """
+
+    def __init__(self) -> None:
+        self._length = Tally()
+        self._unbent = Tally()
+        self._moved = np.zeros(0, np.int32)
+        self.in_view = np.zeros(0, np.int32)
+
+    def follow(self, change: SuperpointChange, visible: Visible) -> Int32:
+        """Take in a keyframe; return the superpoints in view and those that just left it."""
+        self._forget(change.gone_id)
+        self._add(visible.contacts)
+        left = np.setdiff1d(self.in_view, change.gone_id)
+        self.in_view = visible.superpoint_id
+        return np.union1d(left, self.in_view)
+
+    def borders(self, group: Int32) -> Borders:
+        """Return the borders of the groups that superpoints are in, ``group`` int32 (S,)."""
+        return Borders(self._length, self._unbent, self.in_view, group)
+
+    def move(self, superpoint_id: Int32) -> None:
+        """Note that superpoints are in other groups than before."""
+        self._moved = np.union1d(self._moved, superpoint_id)
+
+    def calm(self) -> None:
+        """Forget what moved: what borders on it is being looked at."""
+        self._moved = self._moved[:0]
+
+    def disturbed(self) -> Int32:
+        """Return the superpoints out of view that border on what moved to other groups."""
+        if not len(self._moved):
+            return self._moved
+        pair = self._length.key
+        near = np.unique(pair[self._mark(self._moved)[pair >> SHIFT]] & LOW)
+        return np.setdiff1d(near.astype(np.int32), self.in_view)
+
+    def _add(self, contacts: Contacts) -> None:
+        first, second = contacts.first.astype(np.int64), contacts.second.astype(np.int64)
+        key = np.concatenate((first << SHIFT | second, second << SHIFT | first))
+        self._length.add(key, np.tile(contacts.length, 2))
+        self._unbent.add(key, np.tile(contacts.unbent, 2))
+
+    def _forget(self, superpoint_id: Int32) -> None:
+        if not len(superpoint_id):
+            return
+        gone = self._mark(superpoint_id)
+        for tally in (self._length, self._unbent):
+            tally.drop(gone[tally.key >> SHIFT] | gone[tally.key & LOW])
+
+    def _mark(self, superpoint_id: Int32) -> Bool:
+        """Mark superpoints in a row that is long enough for all that have contacts."""
+        known = int(self._length.key[-1] >> SHIFT) if len(self._length.key) else 0
+        return marked(superpoint_id, max(known, int(superpoint_id.max())) + 1)

@@ -1,0 +1,128 @@
+"""Answers of a router that knows how probable "none of them" is."""
+
+from dataclasses import replace
+
+import pytest
+
+from sceneq_core.reasoning.reasoner import Verdict
+from sceneq_core.routing.judge import JudgeParams
+from sceneq_core.routing.null import NullParams
+from sceneq_core.routing.router import Router, RouterParams
+
+from support.furnished import ids, router, snapshot
+
+NULL = NullParams(temperature=0.1, name=1.0, said=1.0, standing=1.0, bias=-3.0)
+SURE = snapshot()
+
+
+def calibrated(null: NullParams = NULL, **judge: float) -> Router:
+    params = RouterParams(judge=replace(JudgeParams(), **judge), null=null)
+    return router(params)
+
+
+ROUTER = calibrated()
+
+
+def route(text, asked=ROUTER):
+    return asked.answer(SURE, asked.read(text))
+
+
+@pytest.mark.parametrize("text", ["lamp", "cup", "aquarium", "red cup", "the box near the chair"])
+def test_all_matches_and_none_of_them_add_up_to_one(text):
+    answer = route(text).answer
+    assert sum(match.p for match in answer.matches) + answer.confidence.p_null == pytest.approx(1)
+    assert 0 < answer.confidence.p_null < 1
+
+
+def test_a_thing_that_is_there_is_found_and_one_that_is_not_is_not():
+    lamp, aquarium = route("lamp"), route("aquarium")
+    assert (lamp.answer.status, lamp.enough) == ("found", True)
+    assert (aquarium.answer.status, aquarium.enough) == ("not_found", True)
+    assert "there is no 'aquarium' with p 0." in aquarium.answer.reason
+    assert lamp.answer.confidence.p_null < 0.1 < 0.4 < aquarium.answer.confidence.p_null
+    assert len(aquarium.answer.matches) == len(SURE)  # still there to see
+
+
+def test_which_of_several_is_asked_back():
+    answer = route("chair").answer
+    assert answer.status == "ambiguous"
+    assert answer.confidence.p_null < 0.1
+    assert {match.instance.instance_id for match in answer.matches[:3]} == ids("chair")
+
+
+def test_the_probability_to_be_right_is_that_of_what_is_claimed():
+    lamp, aquarium, chair = (route(text).answer for text in ("lamp", "aquarium", "chair"))
+    assert lamp.p_right == lamp.confidence.p_max == lamp.matches[0].p
+    assert aquarium.p_right == aquarium.confidence.p_null
+    assert chair.p_right == chair.matches[0].p < 0.67
+
+
+def test_presence_is_the_rest_of_none_of_them():
+    answer = route("lamp").answer
+    assert answer.presence == pytest.approx(1 - answer.confidence.p_null)
+
+
+def test_the_order_is_that_without_a_calibration():
+    plain = router()
+    for text in ("cup", "red cup", "table"):
+        without = plain.answer(SURE, plain.read(text)).answer.matches
+        order = [match.instance.instance_id for match in without]
+        assert [match.instance.instance_id for match in route(text).answer.matches] == order
+
+
+def test_a_missing_anchor_makes_none_of_them_likely():
+    answer = route("the cup on the aquarium").answer
+    assert answer.status == "not_found"
+    assert "there is no 'aquarium'" in answer.reason
+    assert answer.p_right == pytest.approx(route("aquarium").answer.confidence.p_null)
+
+
+def test_anything_is_always_there_and_a_colour_may_not_be():
+    assert route("what is on the coffee table?").answer.confidence.p_null < 0.1
+    assert route("what is on the aquarium?").answer.confidence.p_null > 0.4
+
+
+def test_asking_back_that_costs_nothing_leaves_nothing_to_claim():
+    asked = calibrated(min_claim=1.0, min_absence=1.0)
+    assert {route(text, asked).answer.status for text in ("lamp", "aquarium")} == {"ambiguous"}
+
+
+def test_an_absence_must_be_likelier_than_any_thing():
+    half = calibrated(NullParams(0.1, 0.0, 0.0, 0.0, bias=0.3), min_absence=0.0)
+    answer = route("lamp", half).answer  # none 0.43, the lamp more
+    assert answer.confidence.p_null < answer.confidence.p_max
+    assert answer.status == "ambiguous"
+
+
+def test_a_reasoner_shares_what_none_of_them_leaves():
+    routed = route("the box near the chair")
+    box = routed.answer.matches[0].instance.instance_id
+    answer = ROUTER.conclude(SURE, routed, Verdict(((box, 0.9), (12, 0.1)), "seen", 1))
+    present = 1 - routed.answer.confidence.p_null
+    assert [match.p for match in answer.matches] == pytest.approx([0.9 * present, 0.1 * present])
+    assert answer.confidence.p_null == routed.answer.confidence.p_null
+    assert answer.status == "found"
+
+
+def test_a_reasoner_that_has_not_looked_does_not_find_what_is_not_there():
+    routed = route("aquarium")
+    first = routed.answer.matches[0].instance.instance_id
+    blind = ROUTER.conclude(SURE, routed, Verdict(((first, 1.0),), "the only one", 0))
+    seeing = ROUTER.conclude(SURE, routed, Verdict(((first, 1.0),), "the picture shows it", 1))
+    assert (blind.status, seeing.status) == ("not_found", "ambiguous")
+
+
+def test_an_empty_map_surely_has_none():
+    nothing = snapshot(())
+    answer = ROUTER.answer(nothing, ROUTER.read("lamp")).answer
+    assert (answer.status, answer.p_right, answer.matches) == ("not_found", 1.0, ())
+
+
+def test_a_reasoner_gets_things_of_a_kind_at_the_temperature_of_the_evidence():
+    warm = calibrated(replace(NULL, temperature=0.4))  # the encoder has T 0.1
+    problem = route("the chair near the box", warm).problem
+    targets = [one.p for one in problem.candidates if one.role == "target"]
+    meant = [match.p for match in route("chair", warm).answer.matches[: len(targets)]]
+    assert targets[0] / targets[-1] == pytest.approx((meant[0] / meant[-1]) ** 0.25)
+    alone = route("chair", warm).problem.candidates
+    assert alone[0].p / alone[1].p == pytest.approx(meant[0] / meant[1])

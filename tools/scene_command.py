@@ -1,0 +1,150 @@
+"""``sceneq scene``: the maps that are kept on disk."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from sceneq_nodes._scene_folder import SceneFacts, SceneFolder
+
+app = typer.Typer(no_args_is_help=True, help="List, check and tidy the maps kept on disk.")
+
+Store = Annotated[
+    Path | None, typer.Option(metavar="DIR", help="Default: the store of ./graph.yaml.")
+]
+Scene = Annotated[str, typer.Argument(help="Name of the scene.")]
+Yes = Annotated[bool, typer.Option("--yes", help="Do not ask.")]
+AsJson = Annotated[bool, typer.Option("--json", help="As JSON, for programs.")]
+
+
+@app.command("list")
+def list_scenes(store: Store = None, as_json: AsJson = False) -> None:
+    """List the scenes: what is known of each and how much room it takes."""
+    import json
+    from dataclasses import asdict
+
+    from sceneq_tools.table import print_table
+
+    facts = [_facts(folder) for folder in _find(store)]
+    if as_json:
+        typer.echo(json.dumps([asdict(one) for one in facts], indent=2))
+        return
+    columns = ("scene", "in the map", "keyframes", "described", "MB", "")
+    print_table(columns, [_row(one) for one in facts])
+
+
+@app.command()
+def info(scene: Scene, store: Store = None, as_json: AsJson = False) -> None:
+    """Tell what is kept of one scene."""
+    import json
+    from dataclasses import asdict
+
+    facts = _facts(_one(store, scene))
+    if as_json:
+        typer.echo(json.dumps(asdict(facts), indent=2))
+        return
+    for line in _lines(facts):
+        typer.echo(line)
+
+
+@app.command()
+def verify(scene: Scene, store: Store = None) -> None:
+    """Read every file of a scene; exit code 1 if one cannot be used."""
+    is_bad = False
+    for verdict in _one(store, scene).verify():
+        is_bad |= bool(verdict.problem)
+        typer.echo(f"{verdict.file}: {verdict.problem or 'ok'}")
+    raise typer.Exit(int(is_bad))
+
+
+@app.command()
+def compact(scene: Scene, store: Store = None) -> None:
+    """Keep the newest map and what came after, not how it came about; drop what was set aside."""
+    folder = _one(store, scene)
+    before = _facts(folder).size_bytes
+    with _told():
+        folder.compact()
+    after = _facts(folder).size_bytes
+    typer.echo(f"{scene}: {before / 1e6:.1f} MB -> {after / 1e6:.1f} MB")
+
+
+@app.command()
+def delete(scene: Scene, store: Store = None, yes: Yes = False) -> None:
+    """Delete a scene with all its files."""
+    folder = _one(store, scene)
+    if not yes:
+        typer.confirm(f"delete {folder.path} with all that is in it?", abort=True)
+    with _told():
+        folder.delete()
+    typer.echo(f"{scene}: deleted")
+
+
+def _find(store: Path | None) -> "list[SceneFolder]":
+    from sceneq_nodes._scene_folder import find
+
+    with _told():
+        return find(store or _default_store())
+
+
+def _one(store: Path | None, scene: str) -> "SceneFolder":
+    from sceneq_nodes._params import did_you_mean
+    from sceneq_tools.errors import UserError
+
+    found = {folder.path.name: folder for folder in _find(store)}
+    if scene not in found:
+        raise UserError(f"no scene {scene} ({did_you_mean(scene, set(found))})", 2)
+    return found[scene]
+
+
+def _facts(folder: "SceneFolder") -> "SceneFacts":
+    with _told():
+        return folder.facts()
+
+
+def _default_store() -> Path:
+    from sceneq_tools.errors import UserError
+    from sceneq_tools.graph import default_path, load
+
+    graph, _ = load(default_path())
+    if graph.store is None:
+        raise UserError("say which folder: --store DIR, or store: DIR in graph.yaml", 2)
+    return Path(graph.store).expanduser()
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """Turn what is wrong with the files into a line for the user."""
+    from sceneq_nodes._set_aside import StoreError
+    from sceneq_tools.errors import UserError
+
+    try:
+        yield
+    except (StoreError, OSError) as error:
+        raise UserError(str(error)) from error
+
+
+def _row(facts: "SceneFacts") -> tuple[str, ...]:
+    return (
+        facts.name,
+        str(facts.position),
+        str(facts.keyframes),
+        ", ".join(f"{count} by {model}" for model, count in facts.described.items()),
+        f"{facts.size_bytes / 1e6:.1f}",
+        "in use" if facts.is_in_use else "",
+    )
+
+
+def _lines(facts: "SceneFacts") -> list[str]:
+    kept = f"entries from {facts.first} on" if facts.first else "no entries"
+    checkpoints = ", ".join(map(str, facts.checkpoints)) or "none"
+    return [
+        f"{facts.name}: {facts.position} entries made the map, {facts.size_bytes / 1e6:.1f} MB"
+        + (", in use" if facts.is_in_use else ""),
+        f"journal: {kept}; checkpoints at {checkpoints}",
+        f"views: {facts.keyframes} keyframes",
+        *(f"descriptors of {model}: {count}" for model, count in facts.described.items()),
+        *(f"set aside: {name}" for name in facts.set_aside),
+    ]
