@@ -10,6 +10,8 @@ from sceneq_nodes._set_aside import DamageError, NewerSchemaError, StoreError, s
 APPLICATION_ID = 0x53_43_51_31
 """``SCQ1`` in the header of the file, for `file` and for us."""
 BUSY_S = 2.0
+LOG_PAGES = 4000
+"""16 MB of write-ahead log before it goes into the file: each time waits for the disk."""
 DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 PRIVATE = 0o600
 
@@ -90,6 +92,7 @@ def _opened(path: Path, tables: str, schema: int) -> sqlite3.Connection:
             _check_header(connection, path, schema)
             connection.execute("PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = NORMAL")
+            connection.execute(f"PRAGMA wal_autocheckpoint = {LOG_PAGES}")
             _make_tables(connection, tables, schema)
     except BaseException:
         connection.close()

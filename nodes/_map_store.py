@@ -73,7 +73,7 @@ class MapStore:
         self._lock: FolderLock | None = None
         self._position = 0
         self._worked_s = 0.0
-        self._is_behind = False
+        self._is_behind = self._is_remade = False
 
     @property
     def first_seq(self) -> int:
@@ -172,6 +172,7 @@ class MapStore:
                 if journal is None or journal.span()[0] != 1:
                     raise StoreError(f"{checkpoint.path}: {error}") from error
                 log.warning("%s: %s; the whole journal is done again", checkpoint.path, error)
+                self._is_remade = True
                 return 0
             else:
                 return checkpoint.position
@@ -189,10 +190,23 @@ class MapStore:
                 deltas = self._mapped.repeat(entry)
                 self.repeated += enumerate(deltas, entry.told + 1)
                 self._position = entry.position
-            self.epoch = journal.number(EPOCH, self.epoch)
-            self.run = max(self.run, journal.number(RUN, -1) + 1)
+            self._number_on(journal)
         except (DamageError, ValueError) as damage:
+            self._rename()
             self._renew_journal(journal, str(damage))
+
+    def _number_on(self, journal: Journal) -> None:
+        """Take the epoch and the run that the last one noted, if the map is the same."""
+        noted = journal.number(EPOCH)
+        if noted and not self._is_remade:
+            self.epoch, self.run = noted, max(self.run, journal.number(RUN, -1) + 1)
+        elif self._position:
+            self._rename()
+
+    def _rename(self) -> None:
+        """Begin a new epoch: what readers know of the old one is no base for what comes."""
+        self.epoch, self.run, self.repeated = new_epoch(), 1, []
+        self.told_after = self.first_seq
 
     def _renew_journal(self, damaged: Journal, reason: str) -> None:
         """Go on in a new journal, with a checkpoint of what the damaged one told."""
@@ -215,7 +229,7 @@ class MapStore:
                 return
         except StoreError as error:
             self._fall_behind(error)
-        self.epoch, self.run = new_epoch(), 0
+        self._rename()
 
     def _note_run(self, journal: Journal) -> None:
         journal.note(EPOCH, self.epoch)

@@ -40,6 +40,12 @@ class NameKeeper:
         """What is wrong with the file of names, "" = nothing."""
         return self._store.problem
 
+    def status(self) -> dict[str, int]:
+        """Return how many names there are, and how many have lost their instance."""
+        taught = self._book.taught
+        lost = sum(self._book.held(one) is None for one in taught)
+        return {"taught": len(taught), "unattached": lost}
+
     @property
     def taught(self) -> tuple[Taught, ...]:
         """All names, the oldest first."""

@@ -22,6 +22,7 @@ USAGE = {
     "reasoner; mode=fast|reason; k=5; deadline_ms=3000",
     "label": "?id=7: what the instance is called, with probabilities; labels=mug,cup,bowl chooses "
     "among these; k=5; mode=reason asks the reasoner; deadline_ms=3000",
+    "names": ": what was taught, and by whom; teach with sceneq teach 7 'my mug'",
 }
 
 

@@ -1,7 +1,7 @@
 """Keeps on disk what views has seen: keyframes with their pictures, and what was chosen of them."""
 
 import logging
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from sceneq_core.mapping.replica import MapReplica
 from sceneq_core.state import StateError, build, take_apart
 from sceneq_core.views.keyframe import Keyframe
 from sceneq_core.views.selector import ViewSelector
+from sceneq_core.views.view import View, ViewSet
 from sceneq_nodes._convert import map_delta_from_message
 from sceneq_nodes._item_store import Change, Item, ItemStore
 from sceneq_nodes._set_aside import DamageError, StoreError
@@ -24,7 +25,8 @@ from sceneq_schemas.map import MapDelta
 log = logging.getLogger(__name__)
 
 FILE = "views.sqlite"
-KEYFRAME, PLACES, MAP, DELTA, REST = "keyframe", "places", "map", "delta", "rest"
+KEYFRAME, VIEWS, PLACES = "keyframe", "views", "places"
+MAP, DELTA, REST = "map", "delta", "rest"
 DELTAS = 32
 """So many changes of the map are kept before it is written whole again."""
 MAX_DELTA_BYTES = 1 << 28
@@ -38,6 +40,7 @@ class Kept:
     keyframes: Mapping[int, Keyframe]
     place_coords: Int32
     replica: MapReplica
+    view_sets: Sequence[ViewSet]
     selector: Mapping[str, Any]
     beside: dict[str, Any] = field(default_factory=dict)
 
@@ -59,6 +62,7 @@ class ViewStore:
         self._selector = selector
         self._beside = beside
         self._stored: dict[int, Keyframe] = {}
+        self._views: dict[int, tuple[View, ...]] = {}
         self._places = self._deltas = 0
         self._new_deltas: list[Item] = []
         self._needs_map = False
@@ -78,8 +82,11 @@ class ViewStore:
             return {}
         if kept is None:
             return {}
-        self._selector.resume(kept.keyframes, kept.place_coords, kept.replica, kept.selector)
+        self._selector.resume(
+            kept.keyframes, kept.place_coords, kept.replica, kept.view_sets, kept.selector
+        )
         self._stored = {k.seq: k for k in self._selector.archive}
+        self._views = {one.instance_id: one.views for one in self._selector.view_sets()}
         self._places = len(kept.place_coords)
         return kept.beside
 
@@ -96,8 +103,18 @@ class ViewStore:
         gone = tuple((KEYFRAME, seq) for seq in self._stored if seq not in archive)
         old_deltas = range(1, self._deltas + 1) if self._needs_map else ()
         gone += tuple((DELTA, number) for number in old_deltas)
-        put = (*map(_keyframe_item, new), *self._new_places(), *self._new_map(), self._rest())
+        views = {one.instance_id: one.views for one in self._selector.view_sets()}
+        gone += tuple((VIEWS, number) for number in self._views.keys() - views.keys())
+        chosen = [n for n in views if not _are_same(views[n], self._views.get(n, ()))]
+        put = (
+            *map(_keyframe_item, new),
+            *(_views_item(number, views[number]) for number in chosen),
+            *self._new_places(),
+            *self._new_map(),
+            self._rest(),
+        )
         self._items.commit(Change(put, gone))
+        self._views = views
         self._stored = {keyframe.seq: keyframe for keyframe in archive}
 
     def close(self) -> None:
@@ -106,6 +123,8 @@ class ViewStore:
 
     def _everything(self) -> Iterator[Item]:
         yield from map(_keyframe_item, self._selector.archive)
+        for view_set in self._selector.view_sets():
+            yield _views_item(view_set.instance_id, view_set.views)
         yield Item(PLACES, 0, _array_bytes(self._selector.places.coords(0)))
         yield self._map_item()
         yield self._rest()
@@ -148,7 +167,8 @@ class ViewStore:
             self._deltas = number
         keyframes = {n: build(unpacked(d)) for (kind, n), d in items.items() if kind == KEYFRAME}
         places = np.concatenate(coords)
-        return Kept(keyframes, places, replica, rest["selector"], rest["beside"])
+        sets = [ViewSet(n, build(unpacked(d))) for (kind, n), d in items.items() if kind == VIEWS]
+        return Kept(keyframes, places, replica, sets, rest["selector"], rest["beside"])
 
 
 def open_view_store(
@@ -174,6 +194,14 @@ def open_view_store(
 
 def _keyframe_item(keyframe: Keyframe) -> Item:
     return Item(KEYFRAME, keyframe.seq, packed(take_apart(keyframe)))
+
+
+def _views_item(instance_id: int, views: tuple[View, ...]) -> Item:
+    return Item(VIEWS, instance_id, packed(take_apart(views)))
+
+
+def _are_same(one: tuple[View, ...], other: tuple[View, ...]) -> bool:
+    return len(one) == len(other) and all(a is b for a, b in zip(one, other, strict=True))
 
 
 def _array_bytes(array: Int32) -> bytes:

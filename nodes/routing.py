@@ -277,6 +277,7 @@ class Routing:
             "alive": sorted(self._bus.alive()),
             "synced": {name: f.synced for (name, _), f in list(self._followers.items())},
             "reasoning": self._purse.status(),
+            "names": self._keeper.status(),
             **({"next_covers": covered} if new or self._coming else {}),
         }
 

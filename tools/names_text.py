@@ -27,7 +27,7 @@ def taught(body: Body) -> None:
 def forgotten(body: Body) -> None:
     """Say which names were taken back."""
     for one in body["names"]:
-        typer.echo(f"forgotten: '{one['name']}' of {_where(one)}, {_origin(one)}")
+        typer.echo(f"forgotten: '{one['name']}' ({_where(one)}), {_origin(one)}")
     _kept(body)
 
 

@@ -10,7 +10,7 @@ from sceneq_core.arrays import Float32
 from sceneq_core.checks import need_at_least, need_between, need_positive
 from sceneq_core.encoding.probe import Probe
 
-BATCH = 256
+BATCH = 512
 
 
 @dataclass(frozen=True, slots=True)

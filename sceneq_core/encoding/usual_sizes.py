@@ -81,12 +81,16 @@ class UsualSizes:
 
 
 def learn_sizes(names: Sequence[str], examples: Sequence[tuple[str, Float64]]) -> UsualSizes:
-    """Return the usual sizes of ``names`` from (name, shape (4,)) of things that were measured."""
+    """Return the usual sizes of ``names`` from (name, shape (4,)) of things that were measured.
+
+    Equal shapes count once: a model that is seen often is still one.
+    """
     mean = np.zeros((len(names), SHAPE))
     spread = np.full((len(names), SHAPE), np.inf)
     for row, name in enumerate(names):
         shapes = np.array([shape for one, shape in examples if one == name])
         if len(shapes):
+            shapes = np.unique(np.round(shapes, 2), axis=0)
             mean[row] = shapes.mean(axis=0)
             squares = len(shapes) * shapes.var(axis=0) + PRIOR_COUNT * TYPICAL_SPREAD**2
             spread[row] = np.sqrt(squares / (len(shapes) + PRIOR_COUNT))

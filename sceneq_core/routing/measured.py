@@ -11,8 +11,8 @@ from sceneq_core.mapping.delta import FLOOR, Instance
 from sceneq_core.routing.described import Described, describe
 from sceneq_core.routing.labels import Labeller
 
-STEP = 0.1
-"""Shapes are rounded to steps of 10 % and 0.1 m: what is said of a thing should not change with
+STEP = 0.05
+"""Shapes are rounded to steps of 5 % and 5 cm: what is said of a thing should not change with
 every voxel."""
 
 

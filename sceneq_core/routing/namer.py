@@ -148,7 +148,9 @@ class OtherLabels:
         label_set = custom(labels)
         with self._lock:
             known = self._known.get(label_set.labels)
-            known = known or self._namer.among(Labeller(label_set, self._encoder))
+        # The text tower may take a second: whoever asks with known labels does not wait for it.
+        known = known or self._namer.among(Labeller(label_set, self._encoder))
+        with self._lock:
             self._known[label_set.labels] = known
             self._known.move_to_end(label_set.labels)
             while len(self._known) > REMEMBERED:

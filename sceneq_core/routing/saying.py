@@ -124,7 +124,10 @@ def _when(report: Report, now_ns: int) -> str:
         return f"No {wanted} was ever seen, as far as this map remembers."
     one = best.instance.geometry
     seen = age((now_ns - one.last_seen_ns) / 1e9)
-    sure = "" if report.answer.status == FOUND else f" (not sure which, p {best.p:.2f})"
+    sure = ""
+    if report.answer.status != FOUND:
+        clear = report.answer.confidence.margin >= CLEAR
+        sure = " (if it is one)" if clear else f" (not sure which, p {best.p:.2f})"
     gone = ""
     if one.state == REMOVED:
         gone = f"; it is gone since {age((now_ns - one.state_since_ns) / 1e9)}"

@@ -1,6 +1,6 @@
 """The keyframes that show each instance best, kept up to date while the map grows."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,7 +14,13 @@ from sceneq_core.views.archive import ArchiveParams, ImageArchive
 from sceneq_core.views.choice import Candidates, ChoiceParams, choose
 from sceneq_core.views.keyframe import Keyframe, changed_blocks, make_keyframe
 from sceneq_core.views.place import Places
-from sceneq_core.views.sighting import Sightings, find_sightings, make_view
+from sceneq_core.views.sighting import (
+    Sightings,
+    columns_of,
+    find_sightings,
+    from_columns,
+    make_view,
+)
 from sceneq_core.views.view import View, ViewSet
 
 BOX_TOLERANCE_PX = 4.0
@@ -109,10 +115,9 @@ class ViewSelector:
         return self.archive.jpeg(seq)
 
     def parts(self) -> dict[str, Any]:
-        """Return what is kept beside the keyframes, the places and the map."""
+        """Return what is kept beside the keyframes, the view sets, the places and the map."""
         return {
-            "sightings": self._sightings,
-            "view_sets": self._view_sets,
+            "sightings": columns_of(self._sightings),
             "concerned": self._concerned,
             "archive": self.archive.parts(),
         }
@@ -122,19 +127,22 @@ class ViewSelector:
         keyframes: Mapping[int, Keyframe],
         place_coords: Int32,
         replica: MapReplica,
+        view_sets: Iterable[ViewSet],
         parts: Mapping[str, Any],
     ) -> None:
         """Become the selector whose ``parts`` these are, with its map as of then.
 
-        A keyframe that is not among ``keyframes`` any more is let go of, with what was seen in it.
+        A keyframe that is not among ``keyframes`` any more is let go of, with what was seen in it;
+        for an instance without a view set it is chosen again.
         """
         self.places.extend(place_coords)
         self.replica = replica
         alive = np.flatnonzero(replica.alive).astype(np.int32)
         self.places.learn(alive, replica.voxel_coord[alive])
         self._instance_of_place = self.places.instance_of_place(replica)
-        self._sightings, self._view_sets = parts["sightings"], parts["view_sets"]
-        self._concerned = parts["concerned"]
+        self._sightings = from_columns(parts["sightings"])
+        self._view_sets = {view_set.instance_id: view_set for view_set in view_sets}
+        self._concerned = parts["concerned"] | (replica.instances.keys() - self._view_sets.keys())
         self.archive.resume(keyframes, parts["archive"])
         for seq in [seq for seq in self._sightings if seq not in self.archive]:
             self._forget(seq)

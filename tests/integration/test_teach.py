@@ -102,7 +102,7 @@ def test_a_name_outlives_the_process_that_was_told_and_the_whole_graph(
         assert f"{NAME} (taught)" in shown
         gone = live.sceneq("forget", NAME)
         assert gone.stdout.startswith(
-            f"forgotten: '{NAME}' of instance {one['id']}, taught by anna"
+            f"forgotten: '{NAME}' (instance {one['id']}), taught by anna"
         )
         assert names(live) == []
         assert live.sceneq("forget", NAME).returncode == 1

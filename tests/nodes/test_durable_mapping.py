@@ -17,7 +17,7 @@ from sceneq_nodes._set_aside import DamageError, StoreError
 from sceneq_nodes._store_params import StoreParams
 from sceneq_schemas.correction import PoseCorrection
 from sceneq_schemas.proposal import ProposalSet
-from sceneq_schemas.topics import MAP_DELTA, POSE_CORRECTION, PROPOSAL
+from sceneq_schemas.topics import MAP_DELTA, MAP_JOURNAL, POSE_CORRECTION, PROPOSAL
 
 from support.durable_map import EVERY_TIME, NEVER, VIEWS, DurableMap
 from support.surfaces import SMALL
@@ -59,6 +59,12 @@ def full_disk() -> Iterator[None]:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def whole_map_asked_of(map_: DurableMap) -> bool:
+    """Tell whether nobody can go on from deltas of before, not even from the first."""
+    parameters = {"epoch": "0", "after": "0"}
+    return map_.bus.query(MAP_JOURNAL, parameters=parameters) is None
 
 
 def flip(path: Path, place: int) -> None:
@@ -184,6 +190,7 @@ def test_a_changed_entry_ends_the_journal_and_the_map_goes_on_in_a_new_one(tmp_p
     back = DurableMap(tmp_path)
     assert back.bus.reported["frame_seq"] == 1
     assert "journal.sqlite.corrupt" in files(tmp_path)
+    assert whole_map_asked_of(back)
     back.show(2).kill()
     again = DurableMap(tmp_path)
     assert again.bus.reported["frame_seq"] == 2
@@ -196,6 +203,7 @@ def test_a_journal_that_is_no_database_is_set_aside(undisturbed, tmp_path):
         path.write_bytes(b"no database" * 1000)
     back = DurableMap(tmp_path, EVERY_TIME)
     assert "journal.sqlite.corrupt" in files(tmp_path)
+    assert whole_map_asked_of(back)
     assert back.show(4, 5).digest() == undisturbed.digest()
 
 
@@ -232,10 +240,13 @@ def test_a_newer_journal_is_left_alone(tmp_path, caplog):
 
 
 def test_other_parameters_make_the_map_anew_from_the_whole_journal(tmp_path):
-    DurableMap(tmp_path, EVERY_TIME).show(0, 1).kill()
+    map_ = DurableMap(tmp_path, EVERY_TIME).show(0, 1)
+    first = map_.node
+    map_.kill()
     coarse = type(SMALL)(voxel_size_m=0.05, surface=SMALL.surface)
     back = DurableMap(tmp_path, EVERY_TIME, mapper=coarse)
-    assert len(back.node._store.repeated) == 2
+    assert back.node._store._position == 2
+    assert back.node._epoch not in (0, first._epoch)
     assert back.digest() == DurableMap(None, mapper=coarse).show(0, 1).digest()
 
 

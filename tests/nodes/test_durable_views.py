@@ -169,6 +169,17 @@ def test_a_damaged_picture_is_left_out(stream, tmp_path):
     assert shown == {0, 2, 3, 4, 5}
 
 
+def test_a_damaged_view_set_is_chosen_again(undisturbed, stream, tmp_path):
+    graph = Graph(stream, tmp_path / "kept").show(*range(FRAMES))
+    graph.kill()
+    with sqlite3.connect(tmp_path / "kept" / "views.sqlite") as database:
+        database.execute("UPDATE item SET crc = 0 WHERE kind = 'views'")
+    database.close()
+    graph.start()
+    graph.node.step(None)
+    assert len(graph.view_sets()) == len(undisturbed.view_sets())
+
+
 @pytest.mark.parametrize("kind", ["rest", "places"])
 def test_damaged_files_are_set_aside_and_views_begin_anew(stream, tmp_path, kind):
     graph = Graph(stream, tmp_path / "kept").show(0, 1, 2)

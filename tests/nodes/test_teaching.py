@@ -21,6 +21,7 @@ from sceneq_schemas.topics import (
     QUERY_INSTANCES,
     QUERY_LABEL,
     QUERY_NAMES,
+    QUERY_STATUS,
     TEACH_FORGET,
     TEACH_SET,
     VIEW_DELTA,
@@ -340,6 +341,7 @@ def test_a_name_whose_thing_is_gone_is_listed_as_unattached(bus):
     see(bus, epoch=6, things=ROOM[:5])
     (told,) = ask(bus, QUERY_NAMES)["names"]
     assert (told["state"], told["id"], told["p"]) == ("unattached", None, 0.0)
+    assert ask(bus, QUERY_STATUS)["names"] == {"taught": 1, "unattached": 1}
     found = answer(bus, MUG)
     assert found["reason"].endswith("but nothing in this map is that now")
 

@@ -4,12 +4,24 @@ import numpy as np
 
 from sceneq_core.mapping.association import Association
 from sceneq_core.mapping.association_params import AssociationParams
+from sceneq_core.mapping.contacts import NO_CONTACTS, Contacts
 from sceneq_core.mapping.superpoints import SuperpointChange
 from sceneq_core.mapping.visibility import Visible
 
 NO_IDS = np.zeros(0, np.int32)
 NO_CHANGE = SuperpointChange(NO_IDS, NO_IDS, NO_IDS)
 PIXELS = 30
+
+
+def touching(*pairs):
+    """Return contacts from (first, second, length of the border, unbent part of it)."""
+    first, second, length, unbent = np.array(pairs).T
+    return Contacts(
+        first.astype(np.int32),
+        second.astype(np.int32),
+        length.astype(np.int64),
+        unbent.astype(np.int64),
+    )
 
 
 def ids(*values):
@@ -25,13 +37,13 @@ class Film:
         self.superpoints = superpoints
         self.keyframe = 0
 
-    def show(self, labels, change=None, entering=None):
+    def show(self, labels, change=None, entering=None, contacts=NO_CONTACTS):
         """Show a view {superpoint: label}; return what it did to the groups."""
         new = ids(*range(self.superpoints))
         first = SuperpointChange(new, np.full_like(new, -1), NO_IDS)
         change = change or (NO_CHANGE if self.keyframe else first)
         pixels = np.full(len(labels), PIXELS, np.int64)
-        visible = Visible(ids(*labels), ids(*labels.values()), pixels)
+        visible = Visible(ids(*labels), ids(*labels.values()), pixels, contacts)
         result = self.association.update(change, visible, self.keyframe, entering)
         self.keyframe += 1
         return result

@@ -7,7 +7,7 @@ from sceneq_core.mapping.association_params import AssociationParams
 from sceneq_core.mapping.superpoints import SuperpointChange
 from sceneq_core.mapping.visibility import NOTHING_VISIBLE, visible_superpoints
 
-from support.film import NO_IDS, Film, ids
+from support.film import NO_IDS, Film, ids, touching
 
 
 def test_one_view_groups_by_segment():
@@ -74,6 +74,59 @@ def test_two_groups_of_one_view_do_not_merge_by_the_next_alone():
     film.show({2: 1, 3: 1})
     assert film.show({0: 1, 1: 1, 2: 1, 3: 1}).merged == ()
     assert film.show({0: 1, 1: 1, 2: 1, 3: 1}).merged == ((1, 0),)
+
+
+ONE_BORDER = touching((1, 2, 10, 9))
+"""Superpoints 1 and 2 touch, and the surface goes on along nine tenths of their border."""
+CORNER = touching((1, 2, 10, 1))
+
+
+def halves_seen_apart_and_then_as_one(contacts):
+    film = Film()
+    film.show({0: 1, 1: 1, 2: 2, 3: 2}, contacts=contacts)
+    film.show({0: 1, 1: 1, 2: 1, 3: 1})
+    return film
+
+
+def test_after_one_view_of_two_the_border_decides_once_both_are_out_of_view():
+    # In view (1 + 1/2) / (2 + 1) = 0.5 is not above tau_merge; with nine tenths of a view more it
+    # is (1 + 0.9 + 1/2) / (2 + 1 + 1) = 0.6, with a tenth of one (1 + 0.1 + 1/2) / 4 = 0.4.
+    film = halves_seen_apart_and_then_as_one(ONE_BORDER)
+    assert film.groups() == [0, 0, 1, 1]
+    assert film.show({}).merged == ((1, 0),)
+    film = halves_seen_apart_and_then_as_one(CORNER)
+    assert film.show({}).merged == ()
+
+
+def test_groups_that_no_view_shows_as_one_stay_apart_whatever_their_border():
+    film = Film()
+    film.show({0: 1, 1: 1, 2: 2, 3: 2}, contacts=ONE_BORDER)
+    assert film.show({}).merged == ()
+
+
+def test_a_part_is_let_go_later_where_the_surface_goes_on_into_its_group():
+    def views_until_apart(contacts):
+        film = Film()
+        film.show({0: 1, 1: 1, 2: 1, 3: 1}, contacts=contacts)
+        for view in range(1, 9):
+            if film.show({0: 1, 1: 1, 2: 2, 3: 2}).founded:
+                return view
+        return None
+
+    # tau_detach is 0.45: (1 + 1/2) / (3 + 1) = 0.375 is below after two views that disagree with
+    # the first one; with a view more across the border (1 + 0.9 + 1/2) / (4 + 2) = 0.4 after three.
+    assert views_until_apart(CORNER) == 2
+    assert views_until_apart(ONE_BORDER) == 3
+
+
+def test_a_superpoint_that_is_out_of_view_goes_where_most_of_its_border_does():
+    film = Film(superpoints=5)
+    around = touching((0, 4, 2, 2), (2, 4, 8, 8))
+    film.show({0: 1, 1: 1, 2: 2, 3: 2, 4: 1}, contacts=around)
+    film.show({0: 1, 1: 1, 2: 2, 3: 2, 4: 2})
+    assert film.groups()[4] == film.groups()[0]
+    film.show({})
+    assert film.groups()[4] == film.groups()[2]
 
 
 def test_a_split_off_superpoint_inherits_group_and_evidence():
@@ -163,6 +216,7 @@ def test_a_visible_superpoint_takes_the_segment_that_shows_most_of_it():
         ({"tau_detach": 0.5}, "tau_detach"),
         ({"tau_merge": 1.0}, "tau_merge"),
         ({"min_common_views": 0}, "min_common_views"),
+        ({"contact_views": -1.0}, "contact_views"),
         ({"max_rounds": 0}, "max_rounds"),
     ],
 )

@@ -9,8 +9,8 @@ import pytest
 
 from sceneq_core.routing.gate import GateParams
 from sceneq_core.routing.labels import custom, named
-from sceneq_core.routing.router import RouterParams
 from sceneq_core.routing.null import NullParams
+from sceneq_core.routing.router import RouterParams
 from sceneq_nodes._calibration import Calibration, read_calibration
 from sceneq_nodes._new_router import new_router
 

@@ -152,7 +152,7 @@ def test_the_outlook_learns_costs_and_changes():
     for _ in range(990):
         outlook.told(THING, changed=False)
     assert outlook.gain(THING, 0.0) == pytest.approx(10 / 1000)  # it agrees with the encoder
-    assert outlook.gain(ABSENCE, 0.0) == pytest.approx(0.5, abs=1e-5)
+    assert outlook.gain(ABSENCE, 0.0) == pytest.approx(0.3, abs=1e-5)
 
 
 def test_the_outlook_learns_from_truth_where_there_is_some():

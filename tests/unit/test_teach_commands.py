@@ -65,7 +65,7 @@ def test_what_was_forgotten_is_told(capsys):
     forgotten({"names": [MUG], "kept": True})
     told = capsys.readouterr().out
     assert told == (
-        "forgotten: 'aunt Mary's mug' of instance 7, taught by anna on 2026-11-22 14:05 UTC\n"
+        "forgotten: 'aunt Mary's mug' (instance 7), taught by anna on 2026-11-22 14:05 UTC\n"
     )
 
 
