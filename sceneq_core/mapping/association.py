@@ -12,10 +12,10 @@ from sceneq_core.mapping.consolidation import consolidated
 from sceneq_core.mapping.coverage import Coverage
 from sceneq_core.mapping.detachment import ATTACHED, detached_parts
 from sceneq_core.mapping.evidence import NO_SEGMENT, Evidence
-from sceneq_core.mapping.group_change import NO_GROUP, Changes, GroupChange, deserted, most_frequent
+from sceneq_core.mapping.group_change import NO_GROUP, Changes, GroupChange
 from sceneq_core.mapping.ids import Ids
 from sceneq_core.mapping.mask_segments import NO_MASK, MaskSegments
-from sceneq_core.mapping.merging import Pairs, merging_pairs
+from sceneq_core.mapping.merging import Pairs, merging_pairs, united
 from sceneq_core.mapping.neighbourhood import Neighbourhood
 from sceneq_core.mapping.rows import marked, with_rows
 from sceneq_core.mapping.superpoints import SuperpointChange
@@ -78,16 +78,15 @@ class Association:
         if entering:
             changes.take(entering())
         changes.note(self.of(visible.superpoint_id))
+        before = self._of_superpoint.copy()
         segment = self._record(visible, keyframe)
         self._refine(self._neighbourhood.follow(change, visible), changes)
+        self._resume(before, changes)
         changes.note(self.of(visible.superpoint_id))
         return self._change(changes, self._seen(segment))
 
     def settle(self) -> GroupChange:
-        """Reconsider every superpoint, and go on until nothing changes.
-
-        After a stream that left nothing to do this changes nothing.
-        """
+        """Reconsider every superpoint until nothing changes; after a settled stream, nothing."""
         changes = Changes()
         everyone = np.arange(len(self._of_superpoint), dtype=np.int32)
         while self._refine(everyone, changes):
@@ -216,15 +215,13 @@ class Association:
         )
         founded = self._groups.take(int(part.max(initial=ATTACHED)) + 1)
         target[alone] = np.where(part == ATTACHED, before[alone], np.append(founded, 0)[part])
-        left = (before[alone][part == place] for place in range(len(founded)))
-        pairs = zip(founded.tolist(), map(most_frequent, left), strict=True)
-        changes.founded += tuple(pairs)
+        changes.found(founded, before[alone], part)
         moving = target != before
         if not moving.any():
             return
         changes.note(before[moving], target[moving])
         self._assign(superpoint_id[moving], target[moving])
-        changes.merged += deserted(before[moving], target[moving], self._sizes())
+        changes.desert(before[moving], target[moving], self._sizes())
         self._look()
 
     def _merge(self, changes: Changes) -> None:
@@ -232,13 +229,17 @@ class Association:
             changes.merged += self._unite(pairs)
             self._look()
 
+    def _resume(self, before: Int32, changes: Changes) -> None:
+        """Give what was merged and taken out again its number back: it is the group it was."""
+        for group, former in changes.continued(before, self._of_superpoint):
+            members = self.members(group)
+            self._assign(members, np.full(len(members), former, np.int32))
+            changes.resume(group, former)
+            self._look()
+
     def _unite(self, pairs: Pairs) -> Pairs:
         """Move the superpoints of the smaller of each pair; return pairs (emptied, into)."""
-        size = self._sizes()
-        merged = tuple((a, b) if size[a] < size[b] else (b, a) for a, b in pairs)
-        into = np.arange(len(self) + 1, dtype=np.int32)
-        into[[small for small, _ in merged]] = [large for _, large in merged]
-        into[NO_GROUP] = NO_GROUP
+        merged, into = united(pairs, self._sizes())
         moving = np.flatnonzero(into[self._of_superpoint] != self._of_superpoint).astype(np.int32)
         self._assign(moving, into[self.of(moving)])
         return merged
@@ -261,9 +262,7 @@ class Association:
         self._views = self._coverage.region_views(len(self))
 
     def _disturbed(self) -> Int32:
-        """Return the superpoints that would not decide as they did: a segment is not what it was,
-        or a neighbour is elsewhere.
-        """
+        """Return the superpoints that may decide anew: of changed segments, beside what moved."""
         owner, views = self._decided
         changed: Bool = self._coverage.differing(views, self._views)
         changed[: len(owner)] |= self._owner[: len(owner)] != owner

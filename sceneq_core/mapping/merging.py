@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sceneq_core.arrays import Bool, Int64
+from sceneq_core.arrays import Bool, Int32, Int64
 from sceneq_core.mapping.agreement import RegionViews, expected_agreement
 from sceneq_core.mapping.association_params import AssociationParams
 from sceneq_core.mapping.borders import Borders
@@ -39,6 +39,17 @@ def merging_pairs(
             busy.update(pair)
             pairs.append(pair)
     return tuple(pairs)
+
+
+def united(pairs: Pairs, size: Int64) -> tuple[Pairs, Int32]:
+    """Return pairs (smaller, larger) and where each region goes, int32 (R + 1,), the last is -1.
+
+    ``size`` int64 (R,) of the regions; of equals the second goes into the first.
+    """
+    merged = tuple((a, b) if size[a] < size[b] else (b, a) for a, b in pairs)
+    into = np.append(np.arange(len(size), dtype=np.int32), np.int32(-1))
+    into[[small for small, _ in merged]] = [large for _, large in merged]
+    return merged, into
 
 
 def _sharing(views: RegionViews) -> tuple[Int64, Int64]:

@@ -101,9 +101,7 @@ def test_a_name_outlives_the_process_that_was_told_and_the_whole_graph(
         shown = live.sceneq("ask", NAME, "--mode", "fast").stdout
         assert f"{NAME} (taught)" in shown
         gone = live.sceneq("forget", NAME)
-        assert gone.stdout.startswith(
-            f"forgotten: '{NAME}' (instance {one['id']}), taught by anna"
-        )
+        assert gone.stdout.startswith(f"forgotten: '{NAME}' (instance {one['id']}), taught by anna")
         assert names(live) == []
         assert live.sceneq("forget", NAME).returncode == 1
     finally:

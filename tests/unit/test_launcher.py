@@ -92,7 +92,7 @@ def play(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Play:
         for name in ("start", "alive", "processes", "kill", "hold", "revive"):
             setattr(running, name, getattr(script, name))
         monkeypatch.setattr(launcher, "Supervisor", lambda *_: running)
-        monkeypatch.setattr(launcher, "Heartbeats", lambda _: script)
+        monkeypatch.setattr(launcher, "Heartbeats", lambda *_: script)
         monkeypatch.setattr(launcher, "TICK_S", 0.0)
         monkeypatch.setattr(launcher, "run_folder", lambda _: tmp_path)
         up = launcher.Launcher(PLAN, tmp_path / "logs", Console(stream))
