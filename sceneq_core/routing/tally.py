@@ -64,6 +64,7 @@ class Counter:
         so_called = [_is_called(snapshot, int(row), wanted) for row in rows]
         possible = np.where(so_called, np.minimum(p, POSSIBLE), POSSIBLE)
         p = p * [holds.get(snapshot.instances[row].instance_id, 1.0) for row in rows]
+        p = p * _presence_of_anchors(question, fits)
         order = np.argsort(-p, kind="stable")
         found = [
             Match(snapshot.instances[rows[i]], float(p[i]), float(target.cosine[rows[i]]))
@@ -85,6 +86,12 @@ class Counter:
         found = [snapshot.find(instance_id) for instance_id in holds]
         rows = np.array([row for row in found if row is not None], np.int64)
         return rows, holds
+
+
+def _presence_of_anchors(question: Question, fits: Mapping[str, Fit]) -> float:
+    """Nothing is surer to be on a table than that there is a table."""
+    anchors = {words for one in question.phrase.constraints for words in one.things}
+    return min((fits[words].presence for words in anchors if words in fits), default=1.0)
 
 
 def _is_called(snapshot: SceneSnapshot, row: int, wanted: Wanted) -> bool:
