@@ -7,12 +7,11 @@ import msgpack
 import numpy as np
 import pytest
 
-from sceneq_core.mapping.delta import MapDelta, Place
+from sceneq_core.mapping.delta import Place
 from sceneq_core.reasoning.geometric import GeometricParams, GeometricReasoner
 from sceneq_core.reasoning.reasoner import LabelVerdict, Usage, Verdict
 from sceneq_nodes._backends import BACKENDS
 from sceneq_nodes._bus import QueryError, Reply
-from sceneq_nodes._convert import map_delta_message
 from sceneq_nodes._reason_json import (
     any_problem_from_bytes,
     problem_from_bytes,
@@ -41,7 +40,8 @@ from sceneq_schemas.topics import (
 from sceneq_schemas.view import View, ViewDelta, ViewSet
 
 from support.fake_bus import FakeBus
-from support.furnished import ROOM, UP, WordEncoder, instance
+from support.furnished import ROOM, WordEncoder, instance
+from support.furnished_node import map_delta_of
 
 LABELS = (
     *{
@@ -57,22 +57,7 @@ EPOCH = 5
 
 
 def map_delta(seq=1, *, full=True, things=ROOM, **changes):
-    none = np.zeros(0, np.int32)
-    delta = MapDelta(
-        full=full,
-        frame_seq=10 * seq,
-        stamp_ns=1_000 * seq,
-        voxel_size_m=0.02,
-        up_world=UP,
-        voxel_id=none,
-        voxel_coord=np.zeros((0, 3), np.int32),
-        points_world=np.zeros((0, 3), np.float32),
-        rgb=np.zeros((0, 3), np.uint8),
-        superpoint_id=none,
-        removed_voxel_id=none,
-        instances=tuple(instance(i + 1, thing) for i, thing in enumerate(things)),
-    )
-    return map_delta_message(replace(delta, **changes), EPOCH, seq)
+    return map_delta_of(things, EPOCH, seq, full=full, **changes)
 
 
 def view_delta(seq=1, things=ROOM):

@@ -7,12 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sceneq_core.mapping.delta import Event, MapDelta
+from sceneq_core.mapping.delta import Event
 from sceneq_core.routing import judge
 from sceneq_core.routing.router import RouterParams
 from sceneq_nodes._backends import BACKENDS
 from sceneq_nodes._bus import QueryError
-from sceneq_nodes._convert import map_delta_message
 from sceneq_nodes.routing import Routing
 from sceneq_schemas.feature import Descriptor, FeatureDelta
 from sceneq_schemas.topics import (
@@ -29,7 +28,8 @@ from sceneq_schemas.topics import (
 from sceneq_schemas.view import View, ViewDelta, ViewSet
 
 from support.fake_bus import CONTEXT, FakeBus
-from support.furnished import ROOM, UP, WordEncoder, instance
+from support.furnished import ROOM, WordEncoder, instance
+from support.furnished_node import map_delta_of
 
 LIKENESS = {
     "format": "sceneq.likeness.v1",
@@ -47,23 +47,9 @@ RED_CUP, BLUE_CUP, CHAIR = 6, 7, 11
 
 
 def map_delta(epoch, seq=1, things=ROOM, instances=None, full=True):
-    none = np.zeros(0, np.int32)
-    delta = MapDelta(
-        full=full,
-        frame_seq=10 * seq,
-        stamp_ns=1_000 * seq,
-        voxel_size_m=0.02,
-        up_world=UP,
-        voxel_id=none,
-        voxel_coord=np.zeros((0, 3), np.int32),
-        points_world=np.zeros((0, 3), np.float32),
-        rgb=np.zeros((0, 3), np.uint8),
-        superpoint_id=none,
-        removed_voxel_id=none,
-        instances=instances or tuple(instance(i + 1, thing) for i, thing in enumerate(things)),
-        events=(Event("merged", 2, 3, 1_000),),
-    )
-    return map_delta_message(delta, epoch, seq)
+    told = {"instances": instances} if instances else {}
+    events = (Event("merged", 2, 3, 1_000),)
+    return map_delta_of(things, epoch, seq, full=full, events=events, **told)
 
 
 def view_delta(epoch, things=ROOM):

@@ -1,6 +1,7 @@
 """The routing node in the furnished room, on the fake bus."""
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -37,7 +38,7 @@ class RoutingHome:
         """Let the map, its views and descriptors be those of ``things``."""
         self.seq += 1
         for topic, message in (
-            (MAP_DELTA, _map_delta(self.seq, things)),
+            (MAP_DELTA, map_delta_of(things, EPOCH, self.seq)),
             (VIEW_DELTA, _view_delta(self.seq, things)),
         ):
             self.bus.deliver(self.node, topic, message)
@@ -55,7 +56,8 @@ class RoutingHome:
         return json.loads(reply.payload)
 
 
-def _map_delta(seq: int, things: tuple) -> Any:
+def map_delta_of(things: tuple, epoch: int, seq: int = 1, **changes: Any) -> Any:
+    """Return the message of a delta with ``things`` as instances 1, 2, ..., with ``changes``."""
     none = np.zeros(0, np.int32)
     delta = MapDelta(
         full=True,
@@ -71,7 +73,7 @@ def _map_delta(seq: int, things: tuple) -> Any:
         removed_voxel_id=none,
         instances=tuple(instance(i + 1, thing) for i, thing in enumerate(things)),
     )
-    return map_delta_message(delta, EPOCH, seq)
+    return map_delta_message(replace(delta, **changes), epoch, seq)
 
 
 def _view_delta(seq: int, things: tuple) -> ViewDelta:
