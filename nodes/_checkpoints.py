@@ -18,7 +18,7 @@ import zstandard
 
 from sceneq_core.state import State
 from sceneq_nodes._database import PRIVATE
-from sceneq_nodes._set_aside import DamageError, NewerSchemaError
+from sceneq_nodes._set_aside import DamageError, NewerSchemaError, sync_folder
 from sceneq_nodes._state_bytes import decoded, encoded
 
 FORMAT = "sceneq.checkpoint"
@@ -59,7 +59,7 @@ class Checkpoints:
         try:
             _write(unfinished, position, state)
             unfinished.rename(path)
-            _force(self.folder)
+            sync_folder(self.folder)
         except OSError:
             with contextlib.suppress(OSError):
                 unfinished.unlink(missing_ok=True)
@@ -143,12 +143,3 @@ def _write_all(file: "IO[bytes]", data: bytes) -> None:
     rest = memoryview(data)
     while rest:
         rest = rest[file.write(rest) :]
-
-
-def _force(folder: Path) -> None:
-    """Make a rename outlive a power cut."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

@@ -21,11 +21,11 @@ from sceneq_nodes._name_record import (
     stand_record,
     teach_record,
 )
+from sceneq_nodes._set_aside import free_name, sync_folder
 
 log = logging.getLogger(__name__)
 
 FILE = "names.jsonl"
-SUFFIX = ".corrupt"
 PRIVATE = 0o600
 SPARE_LINES = 1000
 """The file is written anew when it has so many lines more than it needs."""
@@ -95,7 +95,7 @@ class NameStore:
         new.unlink(missing_ok=True)
         _append(new, b"".join(lines))
         new.replace(self._path)
-        _sync_folder(self._path.parent)
+        sync_folder(self._path.parent)
 
 
 def _sorted(data: bytes) -> tuple[list[bytes], list[Record], list[str]]:
@@ -134,21 +134,12 @@ def _append(path: Path, data: bytes) -> None:
     finally:
         os.close(descriptor)
     if is_new:
-        _sync_folder(path.parent)
+        sync_folder(path.parent)
 
 
 def _set_aside(path: Path) -> Path:
     """Copy a damaged file to where nothing else is; return that."""
-    names = (path.with_name(f"{path.name}{SUFFIX}{n or ''}") for n in range(1_000_000))
-    kept = next(one for one in names if not one.exists())
+    kept = free_name(path)
     shutil.copyfile(path, kept)
     kept.chmod(PRIVATE)
     return kept
-
-
-def _sync_folder(folder: Path) -> None:
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

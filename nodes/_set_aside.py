@@ -2,6 +2,7 @@
 
 import itertools
 import logging
+import os
 from pathlib import Path
 
 log = logging.getLogger(__name__)
@@ -32,7 +33,7 @@ def set_aside(path: Path, reason: str) -> Path:
     Raises:
         OSError: the folder cannot be written.
     """
-    kept = _free_name(path)
+    kept = free_name(path)
     log.error("%s: %s; set aside as %s", path, reason, kept.name)
     path.rename(kept)
     for companion in COMPANIONS:
@@ -42,6 +43,16 @@ def set_aside(path: Path, reason: str) -> Path:
     return kept
 
 
-def _free_name(path: Path) -> Path:
+def free_name(path: Path) -> Path:
+    """Return the first name for a damaged file that nothing has."""
     names = (f"{path.name}{SUFFIX}{number or ''}" for number in itertools.count())
     return next(p for name in names if not (p := path.with_name(name)).exists())
+
+
+def sync_folder(folder: Path) -> None:
+    """Make new and renamed files of a folder outlive a power cut."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -6,12 +6,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from sceneq_tools.export_command import Rrd, write_all
-from sceneq_tools.progress import Quiet, progress
-from sceneq_tools.up_command import NoPoses, Scene, Segmenter, source_overrides
+from sceneq_tools.progress import Quiet
+from sceneq_tools.up_command import NoPoses, Scene, Segmenter
 
 if TYPE_CHECKING:
-    from sceneq_tools.batch import Batch
-    from sceneq_tools.graph_plan import Plan
+    pass
 
 
 MapStep = Annotated[
@@ -44,10 +43,12 @@ def run(
     """Write instances.npz, instances.json, cloud.ply and instances.png of a recording."""
     from sceneq_tools.batch import Batch
     from sceneq_tools.collect import collect
+    from sceneq_tools.map_plan import map_plan
+    from sceneq_tools.playing import play
 
     batch = Batch(map_plan(source, graph, scene, step, no_poses, segmenter, proposals))
     try:
-        _show_progress(batch, quiet)
+        play(batch.stages(), quiet)
         write_all(collect(batch.get, batch.scene), out, rrd)
         for name, count in sorted(batch.troubles().items()):
             typer.echo(f"{name}: {count}")
@@ -55,39 +56,3 @@ def run(
             typer.echo(batch.trajectory_report())
     finally:
         batch.close()
-
-
-def map_plan(
-    source: Path,
-    graph: Path | None = None,
-    scene: str | None = None,
-    step: int | None = None,
-    no_poses: bool = False,
-    segmenter: str | None = None,
-    proposals: Path | None = None,
-) -> "Plan":
-    """Return the nodes that make a map of ``source``; ``UserError`` when they cannot."""
-    from sceneq_tools.graph import Override, default_path, load
-    from sceneq_tools.graph_check import check_nodes
-    from sceneq_tools.graph_plan import plan
-
-    # Rate 0: the next frame is read when the last one is in the map.
-    overrides = source_overrides(source, scene, 0.0, None, False, no_poses, segmenter)
-    if step is not None:
-        every = {"kind": "every", "every": step}
-        overrides.append(Override("ingest", ("keyframes",), every, "--step"))
-    if proposals is not None:
-        masks = {"kind": "file", "path": str(proposals.resolve())}
-        overrides.append(Override("mapping", ("proposals",), masks, "--proposals"))
-    loaded, document = load(graph or default_path(), overrides)
-    check_nodes(loaded, document)
-    return plan(loaded, document, "local")
-
-
-def _show_progress(batch: "Batch", quiet: bool) -> None:
-    for stage in batch.stages():
-        with progress(stage.name, stage.total, quiet=quiet) as advance:
-            before = 0
-            for done in stage.steps:
-                advance(done - before)
-                before = done

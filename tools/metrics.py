@@ -1,7 +1,5 @@
 """The graph in numbers, in the form that Prometheus and OpenMetrics readers take."""
 
-import threading
-import time
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
@@ -10,47 +8,15 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metri
 from prometheus_client.openmetrics.exposition import generate_latest
 from prometheus_client.registry import Collector
 
-from sceneq_nodes._client import Client
-from sceneq_schemas.topics import HEALTH
-from sceneq_tools.status import FLOWS, NodeStatus, from_health
+from sceneq_tools.status import FLOWS, HeardNodes, NodeStatus
 
-SILENT_S = 5.0
-"""A node that has not been heard for so long is not up, whatever it said last."""
 MIB = 2**20
-
-
-class Heard:
-    """The newest heartbeat of every node, kept up to date by a client."""
-
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self._clock = clock
-        self._lock = threading.Lock()
-        self._newest: dict[str, tuple[float, NodeStatus]] = {}
-
-    def listen(self, client: Client) -> None:
-        """Take what ``client`` hears from now on."""
-        client.subscribe(HEALTH.selector(), lambda key, _, payload: self.take(key, payload))
-
-    def take(self, key: str, payload: bytes) -> None:
-        """Keep a heartbeat; anything else is none."""
-        if (status := from_health(key, payload)) is not None:
-            with self._lock:
-                self._newest[status.node] = (self._clock(), status)
-
-    def nodes(self) -> list[tuple[NodeStatus, bool]]:
-        """Return every node ever heard with whether it is up, by name."""
-        with self._lock:
-            newest = sorted(self._newest.items())
-        now = self._clock()
-        return [
-            (status, status.state == "ready" and now - at < SILENT_S) for _, (at, status) in newest
-        ]
 
 
 class GraphCollector(Collector):
     """Turns heartbeats into metric families whenever somebody reads them."""
 
-    def __init__(self, heard: Heard) -> None:
+    def __init__(self, heard: HeardNodes) -> None:
         self._heard = heard
 
     def collect(self) -> Iterable[Metric]:
@@ -62,7 +28,7 @@ class GraphCollector(Collector):
         yield _values(nodes)
 
 
-def as_text(heard: Heard) -> str:
+def as_text(heard: HeardNodes) -> str:
     """Return everything as OpenMetrics text."""
     registry = CollectorRegistry()
     registry.register(GraphCollector(heard))

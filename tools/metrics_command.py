@@ -7,7 +7,7 @@ import typer
 from sceneq_tools.ask_command import DEFAULT_ENDPOINT, Endpoint
 
 if TYPE_CHECKING:
-    from sceneq_tools.metrics import Heard
+    from sceneq_tools.status import HeardNodes
 
 
 def run(
@@ -21,10 +21,10 @@ def run(
 
     from sceneq_tools import scenes
     from sceneq_tools.errors import UserError
-    from sceneq_tools.metrics import Heard, as_text
-    from sceneq_tools.status import LISTEN_S
+    from sceneq_tools.metrics import as_text
+    from sceneq_tools.status import LISTEN_S, HeardNodes
 
-    heard = Heard()
+    heard = HeardNodes()
     with scenes.connect(connect) as client:
         heard.listen(client)
         if serve is not None:
@@ -45,7 +45,7 @@ def _address(text: str) -> tuple[str, int]:
     return host.strip("[]") or "127.0.0.1", int(port)
 
 
-def _serve(heard: "Heard", host: str, port: int) -> None:
+def _serve(heard: "HeardNodes", host: str, port: int) -> None:
     """Serve until Ctrl-C."""
     import threading
 

@@ -85,7 +85,7 @@ def issue(
         now = datetime.now(UTC)
         _authority(folder).issue(out, subject(role, scene), holder, hosts, now, days)
         if role == ROUTER:
-            _copy_access(folder, out)
+            _write_rules(out, _site(folder))
     except FileExistsError as error:
         raise UserError(f"{out}: there are credentials already", 2) from error
     except OSError as error:
@@ -134,16 +134,14 @@ def _site(folder: Path) -> list[str]:
 
 def _write_access(folder: Path, scenes: list[str]) -> str:
     """Write the rules for what is known and new; return the scenes, for people."""
-    from sceneq_tools.security.access import access_rules
-
     known = sorted({*_site(folder), *scenes})
     (folder / AUTHORITY_FOLDER / SITE_FILE).write_text(json.dumps({"scenes": known}) + "\n")
-    rules = json.dumps(access_rules(known), indent=1) + "\n"
-    (folder / "router" / "access.json").write_text(rules)
+    _write_rules(folder / "router", known)
     return ", ".join(known) or "all scenes together"
 
 
-def _copy_access(folder: Path, out: Path) -> None:
+def _write_rules(router: Path, scenes: list[str]) -> None:
+    from sceneq_nodes._credentials import ACCESS
     from sceneq_tools.security.access import access_rules
 
-    (out / "access.json").write_text(json.dumps(access_rules(_site(folder)), indent=1) + "\n")
+    (router / ACCESS).write_text(json.dumps(access_rules(scenes), indent=1) + "\n")

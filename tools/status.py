@@ -1,8 +1,9 @@
 """How the nodes of a graph are, gathered from their heartbeats and liveliness tokens."""
 
 import json
+import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -11,6 +12,8 @@ from sceneq_schemas.topics import HEALTH
 
 LISTEN_S = 1.6
 """A little more than the second between two heartbeats."""
+SILENT_S = 5.0
+"""A node that has not been heard for so long is not up, whatever it said last."""
 FLOWS = ("in", "out", "dropped", "undecodable")
 
 
@@ -37,18 +40,41 @@ class NodeStatus:
 
 def node_status(client: Client) -> list[NodeStatus]:
     """Listen for ``LISTEN_S`` seconds and return every node, by name."""
-    heard: dict[str, NodeStatus] = {}
-
-    def note(key: str, encoding: str, payload: bytes) -> None:
-        status = from_health(key, payload)
-        if status is not None:
-            heard[status.node] = status
-
-    client.subscribe(HEALTH.selector(), note)
+    heard = HeardNodes()
+    heard.listen(client)
     alive = {token["node"]: token["id"] for token in client.alive()}
     time.sleep(LISTEN_S)
-    silent = {node: _silent(node, pid) for node, pid in alive.items() if node not in heard}
-    return [status for _, status in sorted({**heard, **silent}.items())]
+    told = {status.node: status for status, _ in heard.nodes()}
+    silent = {node: _silent(node, pid) for node, pid in alive.items() if node not in told}
+    return [status for _, status in sorted({**told, **silent}.items())]
+
+
+class HeardNodes:
+    """The newest heartbeat of every node, kept up to date by a client."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._newest: dict[str, tuple[float, NodeStatus]] = {}
+
+    def listen(self, client: Client) -> None:
+        """Take what ``client`` hears from now on."""
+        client.subscribe(HEALTH.selector(), lambda key, _, payload: self.take(key, payload))
+
+    def take(self, key: str, payload: bytes) -> None:
+        """Keep a heartbeat; anything else is none."""
+        if (status := from_health(key, payload)) is not None:
+            with self._lock:
+                self._newest[status.node] = (self._clock(), status)
+
+    def nodes(self) -> list[tuple[NodeStatus, bool]]:
+        """Return every node ever heard with whether it is up, by name."""
+        with self._lock:
+            newest = sorted(self._newest.items())
+        now = self._clock()
+        return [
+            (status, status.state == "ready" and now - at < SILENT_S) for _, (at, status) in newest
+        ]
 
 
 def from_health(key: str, payload: bytes) -> NodeStatus | None:

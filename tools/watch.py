@@ -8,9 +8,8 @@ import typer
 
 from sceneq_nodes._client import Client
 from sceneq_tools import scenes
-from sceneq_tools.metrics import Heard
 from sceneq_tools.rates import Rates
-from sceneq_tools.status import NodeStatus
+from sceneq_tools.status import HeardNodes, NodeStatus
 from sceneq_tools.table import print_table
 
 PERIOD_S = 2.0
@@ -23,7 +22,7 @@ CLEAR = "\033[H\033[2J"
 
 def watch(client: Client) -> None:
     """Print until Ctrl-C."""
-    heard, rates = Heard(), Rates()
+    heard, rates = HeardNodes(), Rates()
     heard.listen(client)
     while True:
         time.sleep(PERIOD_S)

@@ -13,6 +13,7 @@ import numpy as np
 
 from sceneq_core.arrays import Bool, Float64
 from sceneq_core.evaluation.temperature import fit_temperature
+from sceneq_core.logistic import least_log_loss
 from sceneq_core.routing.null import Evidence, NullParams
 
 
@@ -46,18 +47,5 @@ def fit_logistic(evidence: Float64, present: Bool) -> tuple[Float64, float]:
     absent = len(present) - there
     if not there or not absent:
         raise ValueError(f"present: {there} of {len(present)}, nothing to tell apart")
-    from scipy.optimize import minimize  # slow to import
-
     target = np.where(present, (there + 1) / (there + 2), 1 / (absent + 2))
-    columns = np.column_stack([evidence, np.ones(len(evidence))])
-
-    def loss(x: Float64) -> tuple[float, Float64]:
-        logit = columns @ x
-        off = 0.5 * (1.0 + np.tanh(0.5 * logit)) - target
-        value = np.logaddexp(0.0, logit) - target * logit
-        return float(value.mean()), columns.T @ off / len(off)
-
-    kinds = evidence.shape[1]
-    bounds = [(0.0, None)] * kinds + [(None, None)]
-    best = minimize(loss, np.zeros(kinds + 1), jac=True, method="L-BFGS-B", bounds=bounds)
-    return best.x, float(best.fun)
+    return least_log_loss(evidence, target, nonnegative=True)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sceneq_core.arrays import Bool, Float64
+from sceneq_core.logistic import least_log_loss, sigmoid
 
 _RIDGE = 1e-6
 """Keeps the weights finite when the pairs can be told apart without error."""
@@ -24,8 +25,7 @@ class Logistic:
     def p(self, measures: Float64) -> Float64:
         """Return the probability (N,) of each row of ``measures`` (N, M)."""
         score = np.asarray(measures, np.float64) @ np.array(self.weights) + self.bias
-        probability: Float64 = 0.5 * (1.0 + np.tanh(0.5 * score))
-        return probability
+        return sigmoid(score)
 
 
 def fit_logistic(measures: Float64, is_true: Bool) -> Logistic:
@@ -34,18 +34,8 @@ def fit_logistic(measures: Float64, is_true: Bool) -> Logistic:
     Raises:
         ValueError: all pairs are of one kind: nothing to tell apart.
     """
-    from scipy.optimize import minimize
 
     if not 0 < is_true.sum() < len(is_true):
         raise ValueError(f"pairs: {int(is_true.sum())} of {len(is_true)} are the same")
-    x = np.column_stack([measures, np.ones(len(measures))])
-    sign = np.where(is_true, 1.0, -1.0)
-
-    def loss(w: Float64) -> tuple[float, Float64]:
-        margin = sign * (x @ w)
-        slope = -sign * 0.5 * (1.0 - np.tanh(0.5 * margin)) / len(x)
-        value = float(np.logaddexp(0.0, -margin).mean() + 0.5 * _RIDGE * w @ w)
-        return value, x.T @ slope + _RIDGE * w
-
-    w = minimize(loss, np.zeros(x.shape[1]), jac=True, method="BFGS").x
+    w, _ = least_log_loss(measures, is_true.astype(np.float64), ridge=_RIDGE)
     return Logistic(tuple(float(v) for v in w[:-1]), float(w[-1]))

@@ -6,9 +6,10 @@ import pytest
 from prometheus_client.openmetrics.parser import text_string_to_metric_families
 
 from sceneq_tools.errors import UserError
-from sceneq_tools.metrics import SILENT_S, Heard, as_text
+from sceneq_tools.metrics import as_text
 from sceneq_tools.metrics_command import _address
 from sceneq_tools.rates import Rates
+from sceneq_tools.status import SILENT_S, HeardNodes
 
 KEY = "sceneq/health/mapping"
 BEAT = {
@@ -33,7 +34,7 @@ class Clock:
         return self.now_s
 
 
-def samples(heard: Heard) -> dict[tuple[str, ...], float]:
+def samples(heard: HeardNodes) -> dict[tuple[str, ...], float]:
     """Return the value of every sample by its name and label values."""
     families = text_string_to_metric_families(as_text(heard))
     found = [s for family in families for s in family.samples]
@@ -47,7 +48,7 @@ def _labels(labels: dict[str, str]) -> tuple[str, ...]:
 
 
 def test_a_heartbeat_becomes_samples_that_the_usual_parser_reads() -> None:
-    heard = Heard(Clock())
+    heard = HeardNodes(Clock())
     heard.take(KEY, json.dumps(BEAT).encode())
     said = samples(heard)
     assert said["sceneq_node_up", "mapping", "mapping"] == 1
@@ -64,7 +65,7 @@ def test_a_heartbeat_becomes_samples_that_the_usual_parser_reads() -> None:
 
 def test_a_node_that_is_silent_or_not_ready_is_not_up() -> None:
     clock = Clock()
-    heard = Heard(clock)
+    heard = HeardNodes(clock)
     heard.take(KEY, json.dumps({**BEAT, "state": "starting"}).encode())
     assert samples(heard)["sceneq_node_up", "mapping", "mapping"] == 0
     heard.take(KEY, json.dumps(BEAT).encode())
@@ -74,7 +75,7 @@ def test_a_node_that_is_silent_or_not_ready_is_not_up() -> None:
 
 
 def test_what_is_no_heartbeat_is_not_taken() -> None:
-    heard = Heard(Clock())
+    heard = HeardNodes(Clock())
     for payload in (b"", b"[]", b"\xff", b"nan", b"[" * 10_000):
         heard.take(KEY, payload)
     heard.take("sceneq/else/mapping", json.dumps(BEAT).encode())

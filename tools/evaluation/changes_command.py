@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from sceneq_tools.evaluation.retrieval_command import GraphFile, JsonFile
-from sceneq_tools.progress import Quiet, progress
+from sceneq_tools.progress import Quiet
 from sceneq_tools.up_command import Segmenter
 
 if TYPE_CHECKING:
     from sceneq_core.evaluation.scene_changes import Fate
-    from sceneq_tools.evaluation.changes import Changes, CutReport
+    from sceneq_tools.evaluation.changes import CutReport
 
 COLUMNS = ("thing", "what happened", "known", "IoU before", "IoU after", "same id", "ghost")
 
@@ -31,11 +31,12 @@ def run(
     """Map a recording and say of every edit, and of what stayed, whether the map knows."""
     from sceneq_tools.evaluation.changes import Changes
     from sceneq_tools.json_file import write_json
-    from sceneq_tools.map_command import map_plan
+    from sceneq_tools.map_plan import map_plan
+    from sceneq_tools.playing import play
 
     changes = Changes(recording, map_plan(recording, graph, step=step, segmenter=segmenter))
     try:
-        _play(changes, quiet)
+        play(changes.stages(), quiet)
         reports = changes.reports()
     finally:
         changes.close()
@@ -45,15 +46,6 @@ def run(
     if json_file is not None:
         cuts = [report.as_dict(names) for report in reports]
         write_json({"recording": recording.name, "step": step, "cuts": cuts}, json_file)
-
-
-def _play(changes: "Changes", quiet: bool) -> None:
-    for stage in changes.stages():
-        with progress(stage.name, stage.total, quiet=quiet) as advance:
-            before = 0
-            for done in stage.steps:
-                advance(done - before)
-                before = done
 
 
 def _print(report: "CutReport", names: dict[int, str]) -> None:

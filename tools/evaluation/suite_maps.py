@@ -7,14 +7,13 @@ the same: a number from an older mapper would be a wrong number.
 import hashlib
 import json
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sceneq_tools.evaluation.suite_recordings import Recording, frames_digest
-from sceneq_tools.progress import progress
 
 if TYPE_CHECKING:
     from sceneq_tools.graph_plan import Plan
@@ -82,20 +81,13 @@ def mapped(recording: Recording, options: MapOptions, quiet: bool = False) -> Ma
 
 def _plan(recording: Recording, options: MapOptions) -> "Plan":
     """Return the same plan as ``sceneq map`` makes, with the recording's keyframes."""
-    from sceneq_tools.graph import Override, default_path, load
-    from sceneq_tools.graph_check import check_nodes
-    from sceneq_tools.graph_plan import plan
-    from sceneq_tools.up_command import source_overrides
+    from sceneq_tools.map_plan import map_plan
 
-    overrides = source_overrides(
-        recording.folder, recording.name, 0.0, None, False, False, options.segmenter
+    return map_plan(
+        *(recording.folder, options.graph, recording.name),
+        step=recording.every,
+        segmenter=options.segmenter,
     )
-    if recording.every is not None:
-        keyframes = {"kind": "every", "every": recording.every}
-        overrides.append(Override("ingest", ("keyframes",), keyframes, "--every"))
-    loaded, document = load(options.graph or default_path(), overrides)
-    check_nodes(loaded, document)
-    return plan(loaded, document, "local")
 
 
 def _key(plan: "Plan", recording: Recording) -> str:
@@ -133,12 +125,13 @@ def _make(plan: "Plan", name: str, folder: Path, quiet: bool) -> dict[str, Any]:
     from sceneq_tools.bench.stages import KEYFRAME, KEYFRAMES, NODES, PARTS
     from sceneq_tools.bench.stopwatch import Stopwatch
     from sceneq_tools.collect import collect
+    from sceneq_tools.playing import play
 
     stopwatch, start_s = Stopwatch(), time.perf_counter()
     with stopwatch.watching({**NODES, **PARTS, **KEYFRAMES}):
         batch = Batch(plan)
         try:
-            frames = _play(batch.stages, name, quiet)
+            frames = play(batch.stages(), quiet, f"mapping {name}: ")
             collect(batch.get, batch.scene).write(folder, SHEET_SIZE)
             troubles = batch.troubles()
         finally:
@@ -150,16 +143,3 @@ def _make(plan: "Plan", name: str, folder: Path, quiet: bool) -> dict[str, Any]:
         "took_s": round(time.perf_counter() - start_s, 1),
         "troubles": troubles,
     }
-
-
-def _play(stages: Callable[[], Iterable[Any]], name: str, quiet: bool) -> int:
-    """Run to the end; return how many frames were played."""
-    played = 0
-    for stage in stages():
-        with progress(f"mapping {name}: {stage.name}", stage.total, quiet=quiet) as advance:
-            done = 0
-            for now in stage.steps:
-                advance(now - done)
-                done = now
-        played = played or done
-    return played

@@ -11,10 +11,12 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
+from sceneq_nodes._credentials import AUTHORITY, CERTIFICATE, KEY
+
 AUTHORITY_DAYS = 3650
 CLOCK_SKEW = timedelta(hours=1)
 """A robot's clock may be behind: what was made now is valid for it too."""
-KEY_FILE, CERTIFICATE_FILE = "ca.key.pem", "ca.pem"
+AUTHORITY_KEY = "ca.key.pem"
 
 
 class Authority:
@@ -38,8 +40,8 @@ class Authority:
         )
         usage = _usage(key_cert_sign=True, crl_sign=True, digital_signature=False)
         certificate = builder.add_extension(usage, critical=True).sign(key, hashes.SHA256())
-        _write_private(folder / KEY_FILE, _key_bytes(key))
-        (folder / CERTIFICATE_FILE).write_bytes(_pem(certificate))
+        _write_private(folder / AUTHORITY_KEY, _key_bytes(key))
+        (folder / AUTHORITY).write_bytes(_pem(certificate))
         return Authority(key, certificate)
 
     @staticmethod
@@ -50,10 +52,12 @@ class Authority:
             OSError: a file that cannot be read.
             ValueError: one that is no key or certificate.
         """
-        key = serialization.load_pem_private_key((folder / KEY_FILE).read_bytes(), password=None)
+        key = serialization.load_pem_private_key(
+            (folder / AUTHORITY_KEY).read_bytes(), password=None
+        )
         if not isinstance(key, ec.EllipticCurvePrivateKey):
-            raise ValueError(f"{folder / KEY_FILE}: not a key on an elliptic curve")
-        certificate = x509.load_pem_x509_certificate((folder / CERTIFICATE_FILE).read_bytes())
+            raise ValueError(f"{folder / AUTHORITY_KEY}: not a key on an elliptic curve")
+        certificate = x509.load_pem_x509_certificate((folder / AUTHORITY).read_bytes())
         return Authority(key, certificate)
 
     def issue(
@@ -74,7 +78,7 @@ class Authority:
         """
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         key = ec.generate_private_key(ec.SECP256R1())
-        _write_private(folder / "key.pem", _key_bytes(key))
+        _write_private(folder / KEY, _key_bytes(key))
         uses = [ExtendedKeyUsageOID.CLIENT_AUTH, ExtendedKeyUsageOID.SERVER_AUTH]
         builder = (
             _builder(_name(subject, holder), self._certificate.subject, key.public_key(), now, days)
@@ -85,8 +89,8 @@ class Authority:
         if names := [_alternative(host) for host in hosts]:
             builder = builder.add_extension(x509.SubjectAlternativeName(names), critical=False)
         certificate = builder.sign(self._key, hashes.SHA256())
-        (folder / "cert.pem").write_bytes(_pem(certificate))
-        (folder / "ca.pem").write_bytes(_pem(self._certificate))
+        (folder / CERTIFICATE).write_bytes(_pem(certificate))
+        (folder / AUTHORITY).write_bytes(_pem(self._certificate))
 
 
 def _builder(
