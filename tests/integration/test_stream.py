@@ -13,11 +13,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from trimesh import load_scene
 
 from sceneq_nodes._client import Client
 
 from support.live_graph import LiveGraph, run, write_graph
 from support.recording import write_recording
+from support.rerun_file import contents
 from support.room import Room
 
 pytestmark = pytest.mark.integration
@@ -95,6 +97,22 @@ def test_the_live_map_is_the_one_that_sceneq_map_makes(
     assert files["instance_id"].dtype == np.int32
     assert (tmp_path / "live" / "cloud.ply").stat().st_size > 10_000
     assert (tmp_path / "live" / "instances.png").stat().st_size > 1_000
+
+
+def test_a_running_graph_is_exported_with_the_pictures_it_is_known_from(
+    settled: LiveGraph, tmp_path: Path
+) -> None:
+    kinds = [word for kind in ("coco", "rrd", "glb", "costmap") for word in ("--as", kind)]
+    done = settled.sceneq("export", str(tmp_path), *kinds)
+    assert done.returncode == 0, done.stderr
+    coco = json.loads((tmp_path / "coco" / "instances.json").read_text())
+    assert coco["info"]["views_without_image"] == 0
+    named = {image["file_name"] for image in coco["images"]}
+    assert named == {path.name for path in (tmp_path / "coco" / "images").iterdir()}
+    assert len(coco["annotations"]) > len(named) >= 3
+    assert "/world/boxes" in contents(tmp_path / "scene.rrd").entities
+    assert set(load_scene(tmp_path / "scene.glb").graph.nodes) > {"scene"}
+    assert (tmp_path / "costmap" / "map.yaml").exists()
 
 
 def test_a_stranger_gets_an_answer_with_place_and_evidence(settled: LiveGraph) -> None:

@@ -1,0 +1,1 @@
+"""The result for other programs: one file per format, all from one saved or running scene."""
