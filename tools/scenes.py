@@ -1,18 +1,17 @@
 """Which scenes answer at an endpoint, and how to put a question to one of them."""
 
-import json
 import time
 from dataclasses import dataclass
 from typing import Any
 
-from sceneq_nodes._bus import QueryError, Reply
+from sceneq_client.asking import json_object, put
+from sceneq_client.errors import RefusedError, SceneError
+from sceneq_nodes._bus import Reply
 from sceneq_nodes._client import Client
 from sceneq_schemas.topics import ID, QUERY_STATUS, Topic
 from sceneq_tools.errors import UserError
 
 STATUS_TIMEOUT_S = 5.0
-TRIES = 5
-RETRY_MS = 200
 START_HINT = "start one: sceneq up --source FOLDER"
 
 
@@ -75,37 +74,17 @@ def ask(
         UserError: nobody answers, no answer in time, or an error reply.
     """
     started = time.monotonic()
-    payload = json.dumps(request).encode()
-    error = QueryError("none", "")
-    for _ in range(TRIES):
-        replies, errors = client.get(topic.key(scene=scene), payload, "application/json", timeout_s)
-        if replies:
-            took_ms = 1000 * (time.monotonic() - started)
-            return Asked(scene, body(replies[-1][1]), took_ms)
-        if not errors:
-            raise UserError(f"nobody answers for scene '{scene}' (see: sceneq status)")
-        error = errors[0]
-        if error.code != "busy":
-            break
-        time.sleep((error.retry_ms or RETRY_MS) / 1000)
-    raise _as_user_error(error, scene, timeout_s)
+    try:
+        told = put(client, topic, scene, request, timeout_s, absent_s=0.0)
+    except SceneError as error:
+        wrong_usage = isinstance(error, RefusedError) and error.code == "bad_request"
+        raise UserError(str(error), 2 if wrong_usage else 1) from error
+    return Asked(scene, told, 1000 * (time.monotonic() - started))
 
 
 def body(reply: Reply) -> dict[str, Any]:
     """Return the JSON object of a reply; ``UserError`` when it is none."""
     try:
-        value = json.loads(reply.payload)
-    except (ValueError, RecursionError) as error:
-        raise UserError(f"the answer is not JSON: {error}") from error
-    if not isinstance(value, dict):
-        raise UserError(f"the answer is not a JSON object: {value!r:.80}")
-    return value
-
-
-def _as_user_error(error: QueryError, scene: str, timeout_s: float) -> UserError:
-    if error.code == "timeout":
-        return UserError(f"scene '{scene}' did not answer within {timeout_s:g} s")
-    hint = f" ({error.hint})" if error.hint else ""
-    return UserError(
-        f"{error.code}: {error.message}{hint}", 2 if error.code == "bad_request" else 1
-    )
+        return json_object(reply)
+    except SceneError as error:
+        raise UserError(str(error)) from error

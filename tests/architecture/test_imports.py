@@ -12,12 +12,16 @@ FOLDERS = {
     "sceneq_nodes": ROOT / "nodes",
     "sceneq_schemas": ROOT / "schemas",
     "sceneq_tools": ROOT / "tools",
+    "sceneq_client": ROOT / "tools" / "client",
 }
 ALLOWED = {
     "sceneq_core": {"sceneq_core"},
     "sceneq_schemas": {"sceneq_schemas"},
     "sceneq_nodes": {"sceneq_nodes", "sceneq_core", "sceneq_schemas"},
-    "sceneq_tools": {"sceneq_tools", "sceneq_nodes", "sceneq_core", "sceneq_schemas"},
+    "sceneq_client": {"sceneq_client", "sceneq_nodes", "sceneq_core", "sceneq_schemas"},
+    "sceneq_tools": {
+        *("sceneq_tools", "sceneq_client", "sceneq_nodes", "sceneq_core", "sceneq_schemas")
+    },
 }
 BUS = ROOT / "nodes" / "_runtime.py"
 IMPURE = {
