@@ -9,7 +9,7 @@ RUN := $(abspath $(VENV))/bin
 SOURCE ?= tools/sample
 OUT ?= out/demo
 
-.PHONY: setup furniture demo test lint unit integration wheel clean
+.PHONY: setup furniture demo test lint unit browser integration wheel clean
 
 setup: $(VENV)/.ready
 
@@ -37,7 +37,11 @@ lint: setup
 unit: setup
 	$(RUN)/python -m pytest -q -n auto --dist worksteal -m "not integration"
 
-integration: setup
+# The console's tests need a browser; without one they are skipped and say so.
+browser:
+	@command -v chromium >/dev/null || deploy/apt-install chromium || true
+
+integration: setup browser
 	$(RUN)/python -m pytest -q -m integration
 
 wheel: setup

@@ -1,0 +1,1 @@
+"""The map by HTTP: pages of the gateway node."""
