@@ -1,7 +1,9 @@
 """The gateway over HTTP and WebSocket: a real server, the routing node behind a fake bus."""
 
 import json
+import ssl
 from collections.abc import Iterator
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +41,7 @@ from sceneq_schemas.topics import (
     TEACH_SET,
     VIEW_IMAGE,
 )
+from sceneq_tools.security.authority import AUTHORITY, CERTIFICATE, KEY, Authority
 
 from support.fake_bus import FakeBus
 from support.furnished_node import RoutingHome
@@ -211,6 +214,25 @@ def test_other_machines_need_a_token(words: None, monkeypatch: pytest.MonkeyPatc
                 "/ask", json={"question": "cup"}, headers={"Authorization": "Bearer secret"}
             )
             assert json.loads(page.recv(10))["type"] == "answer"
+    finally:
+        web.close()
+
+
+def test_with_tls_a_client_shows_a_certificate(words: None, tmp_path: Path) -> None:
+    authority = Authority.create(tmp_path / "ca", datetime.now(UTC))
+    for who in ("gateway", "client"):
+        hosts = ["127.0.0.1"]
+        authority.issue(tmp_path / who, who, "test", hosts, datetime.now(UTC), 1)
+    files = {name: str(tmp_path / "gateway" / name) for name in (CERTIFICATE, KEY, AUTHORITY)}
+    web = Web(tls=TlsParams(files[CERTIFICATE], files[KEY], files[AUTHORITY]))
+    trust = ssl.create_default_context(cafile=files[AUTHORITY])
+    address = f"https://{web.address}/scene"
+    try:
+        with httpx2.Client(verify=trust) as stranger, pytest.raises(httpx2.TransportError):
+            stranger.get(address)
+        trust.load_cert_chain(tmp_path / "client" / CERTIFICATE, tmp_path / "client" / KEY)
+        with httpx2.Client(verify=trust) as known:
+            assert known.get(address).status_code == 200
     finally:
         web.close()
 
