@@ -2,6 +2,7 @@
 # make demo SOURCE=<folder>   the same with frame-NNNNNN.color.jpg, .depth.png, .pose.txt of yours
 # make furniture              optional: models for realistic rooms (Debian package, 120 MB)
 # make test                   set up everything, check and test everything
+# make site                   the documents as a site in out/site
 SHELL := bash
 VENV ?= .venv
 PYTHON ?= python3
@@ -9,7 +10,7 @@ RUN := $(abspath $(VENV))/bin
 SOURCE ?= tools/sample
 OUT ?= out/demo
 
-.PHONY: setup furniture demo test lint unit browser integration wheel clean
+.PHONY: setup furniture demo test lint site unit browser integration wheel clean
 
 setup: $(VENV)/.ready
 
@@ -27,12 +28,16 @@ furniture:
 demo: setup
 	@$(RUN)/sceneq demo "$(SOURCE)" "$(OUT)"
 
-test: lint unit integration wheel
+test: lint site unit integration wheel
 
 lint: setup
 	$(RUN)/ruff check .
 	$(RUN)/ruff format --check .
 	PYTHON=$(RUN)/python .ci/typecheck
+
+# The documents as a site; a broken link fails.
+site: setup
+	@NO_MKDOCS_2_WARNING=1 $(RUN)/mkdocs build --quiet --strict -f deploy/site/mkdocs.yml
 
 unit: setup
 	$(RUN)/python -m pytest -q -n auto --dist worksteal -m "not integration"
