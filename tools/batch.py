@@ -20,7 +20,7 @@ from sceneq_tools.graph_plan import Plan
 from sceneq_tools.local_bus import LocalHub
 
 POSES = "poses"
-INGEST, ENCODING = "ingest", "encoding"
+INGEST, ENCODING, GATEWAY = "ingest", "encoding", "gateway"
 MOST_AT_ONCE = 8
 """More instances at a time than this want more memory than they save time."""
 TROUBLES = (
@@ -89,8 +89,9 @@ class Batch:
         self.scene = plan.scene
         self._plan = plan
         self._hub = LocalHub()
-        self._params = {node.id: node.params for node in plan.nodes}
-        kinds = {node.node_kind: node.id for node in plan.nodes}
+        nodes = [node for node in plan.nodes if node.node_kind != GATEWAY]
+        self._params = {node.id: node.params for node in nodes}
+        kinds = {node.node_kind: node.id for node in nodes}
         if INGEST not in kinds:
             raise UserError("the graph has no ingest node to read the recording", 2)
         self._ingest, self._encoding = kinds[INGEST], kinds.get(ENCODING)
@@ -98,7 +99,7 @@ class Batch:
         for name, listener in {POSES: self._pose_log, **(listeners or {})}.items():
             self._hub.add(listener, self._context(name))
         # Readers first, so that nobody misses the first message.
-        for node in sorted(plan.nodes, key=lambda node: node.id == self._ingest):
+        for node in sorted(nodes, key=lambda node: node.id == self._ingest):
             self._open(node.id, node.node_kind, {**_of_a_batch(node.node_kind), **node.params})
 
     def stages(self) -> Iterator[Stage]:

@@ -1,5 +1,6 @@
 """A graph that the demo starts, watches through its heartbeats, and ends."""
 
+import contextlib
 import re
 import signal
 import subprocess
@@ -96,6 +97,23 @@ class DemoGraph:
     def value(self, node: str, name: str, default: Any = 0) -> Any:
         """Return what a node last said of itself."""
         return self._values.get(node, {}).get(name, default)
+
+    @property
+    def console(self) -> str:
+        """Where a browser finds the map; "" when no gateway runs."""
+        port = self.value("gateway", "port")
+        return f"http://127.0.0.1:{port}" if port else ""
+
+    def stay(self) -> None:
+        """Keep the graph going until Ctrl-C.
+
+        Raises:
+            UserError: the graph ended.
+        """
+        with contextlib.suppress(KeyboardInterrupt):
+            while True:
+                self.need_running()
+                time.sleep(POLL_S)
 
     def need_running(self) -> None:
         """Raise ``UserError`` when the graph has ended, or a process of it ends again and again."""

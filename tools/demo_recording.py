@@ -1,6 +1,7 @@
 """The demo on a recording: play it through the graph, ask meanwhile, ask again, draw."""
 
 import re
+import sys
 import time
 from collections.abc import Sequence
 from functools import partial
@@ -104,7 +105,10 @@ class Demo:
             answers = self._ask_the_whole_map(graph, scene)
             files = collect(getter(graph.client, scene), scene)
             troubles = graph.troubles()
-        self._write(files, answers)
+            self._write(files, answers)
+            if graph.console and sys.stdout.isatty() and not troubles:
+                demo_text.say(f"\nThe map stays: ask it at {graph.console}   (Ctrl-C ends it)")
+                graph.stay()
         if troubles:
             raise UserError("not everything went well:\n" + "\n".join(troubles))
 
@@ -136,6 +140,8 @@ class Demo:
         took_s = time.monotonic() - started_s
         rows = [("graph", f"on {graph.endpoint}, something to ask about after {took_s:.1f} s")]
         rows.append(("segments", SEGMENTS.get(self._segmenter, self._segmenter)))
+        if graph.console:
+            rows.append(("console", f"{graph.console}   (ask in a browser)"))
         if activation := demo_text.activation():
             rows.append(("type", f"along from another shell: {activation}"))
         demo_text.facts(rows)
