@@ -74,6 +74,35 @@ Handler = Callable[[Request], Reply | None]
 """Answers one request on a pool thread; ``None`` = this queryable has nothing to say."""
 
 
+@dataclass(frozen=True, slots=True)
+class ForeignSample:
+    """Data on a key of somebody else, as it came; ``attachment`` is empty when there is none."""
+
+    key: str
+    payload: bytes
+    attachment: bytes
+
+
+class ForeignKeys(Protocol):
+    """Keys that are not in our table, such as those of ROS 2: raw bytes in and out."""
+
+    session_id: str
+
+    def listen(
+        self, selector: str, take: Callable[[ForeignSample], None], *, latched: bool = False
+    ) -> None:
+        """Call ``take`` with what comes on ``selector``, on a thread of the network: only enqueue.
+
+        ``latched``: also with the last that was said before, as far as its writer keeps it.
+        """
+
+    def publish(self, key: str, payload: bytes, attachment: bytes) -> None:
+        """Send bytes, dropped rather than waited for when the link is full."""
+
+    def hold(self, key: str) -> None:
+        """Hold a liveliness token for as long as the node lives."""
+
+
 class Bus(Protocol):
     """Publish, subscribe, serve and ask."""
 
@@ -107,6 +136,18 @@ class Bus(Protocol):
 
     def report(self, **values: float | int | str) -> None:
         """Set values that the next health message carries, such as ``instances=12``."""
+
+
+def foreign_keys(bus: Bus) -> ForeignKeys:
+    """Return access to keys that are not ours.
+
+    Raises:
+        ValueError: a bus without a network, as inside `sceneq map`.
+    """
+    keys: ForeignKeys | None = getattr(bus, "foreign", None)
+    if keys is None:
+        raise ValueError("this needs a network: run the graph with 'sceneq up'")
+    return keys
 
 
 class Node(Protocol):

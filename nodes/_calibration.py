@@ -19,6 +19,7 @@ from sceneq_core.encoding.usual_sizes import sized
 from sceneq_core.routing.gate import GateParams
 from sceneq_core.routing.null import NullParams
 from sceneq_core.routing.router import RouterParams
+from sceneq_nodes._json_fields import parse
 
 FORMAT, FORMER = "sceneq.calibration.v2", "sceneq.calibration.v1"
 NO_CALIBRATION = "none"
@@ -105,8 +106,7 @@ class Tempered:
 def read_calibration(path: Path) -> Calibration:
     """Return the calibration in a file; raise ``ValueError`` naming the file and what is wrong."""
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-        return _calibration(document)
+        return _calibration(parse(path.read_bytes()))
     except OSError as error:
         raise ValueError(f"calibration: {path}: cannot be read: {error.strerror}") from error
     except ValueError as error:

@@ -39,7 +39,7 @@ def read_color_camera(folder: Path) -> tuple[Float64, Float64] | None:
         if defect := rigid_defect(T_color_depth):
             raise ValueError(f"T_color_depth: {defect}")
         return _pinhole(camera["K"]), T_color_depth
-    except (OSError, ValueError, TypeError, KeyError) as error:
+    except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
         expected = '{"K": 3x3, "T_color_depth": 4x4}'
         raise ValueError(f"{path}: {error}; expected {expected}") from error
 

@@ -5,7 +5,9 @@ from typing import Any
 
 from sceneq_nodes._bus import QueryError, Reply
 from sceneq_nodes._credentials import Credentials
-from sceneq_nodes._runtime import close, get, live_nodes, open_session
+from sceneq_nodes._liveness import live_nodes
+from sceneq_nodes._runtime import close, get, open_session
+from sceneq_schemas.topics import Delivery
 
 
 class Client:
@@ -37,15 +39,23 @@ class Client:
         self, selector: str, payload: bytes = b"", encoding: str = "", timeout_s: float = 10.0
     ) -> tuple[list[tuple[str, Reply]], list[QueryError]]:
         """Return the (key, reply) pairs and the errors; both empty = nobody answers this key."""
-        return get(self._session, selector, payload, encoding, timeout_s)
+        delivery = Delivery.BULK if "/@" in selector else Delivery.QUERY
+        return get(self._session, selector, payload, encoding, timeout_s, delivery)
 
-    def subscribe(self, selector: str, callback: Callable[[str, str, bytes], None]) -> None:
-        """Call ``callback(key, encoding, payload)`` on a thread for each message; be quick."""
+    def subscribe(
+        self, selector: str, callback: Callable[[str, str, bytes], None]
+    ) -> Callable[[], None]:
+        """Call ``callback(key, encoding, payload)`` on a thread for each message; be quick.
+
+        What is returned ends it.
+        """
 
         def forward(sample: Any) -> None:
             callback(str(sample.key_expr), str(sample.encoding), sample.payload.to_bytes())
 
-        self._declared.append(self._session.declare_subscriber(selector, forward))
+        declared = self._session.declare_subscriber(selector, forward)
+        self._declared.append(declared)
+        return declared.undeclare
 
     def publish(self, key: str, payload: bytes, encoding: str) -> None:
         """Send one message."""

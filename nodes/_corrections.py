@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from sceneq_core.arrays import Float64
 from sceneq_core.mapping.correction import Correction
+from sceneq_core.visits import visit_of
 from sceneq_schemas.correction import PoseCorrection
 from sceneq_schemas.frame import Frame
 
@@ -38,10 +39,12 @@ class Corrections:
 
     def due(self, frame_seq: int) -> list[PoseCorrection]:
         """Return, and forget, those that hold from ``frame_seq`` or an earlier frame on."""
-        due = [message for message in self._waiting if message.frame_seq <= frame_seq]
-        self._waiting = [message for message in self._waiting if message.frame_seq > frame_seq]
+        due = [message for message in self._waiting if _is_due(message, frame_seq)]
+        self._waiting = [message for message in self._waiting if not _is_due(message, frame_seq)]
         for message in due:
-            known = {} if message.full else self._poses
+            visit = visit_of(message.frame_seq)
+            others = {seq: pose for seq, pose in self._poses.items() if visit_of(seq) != visit}
+            known = others if message.full else self._poses
             self._poses = known | dict(
                 zip(message.keyframe_seq.tolist(), message.T_world_camera, strict=True)
             )
@@ -51,6 +54,12 @@ class Corrections:
         """Return ``frame``, which was on its way meanwhile, with its newest pose."""
         pose = self._poses.get(frame.seq)
         return frame if pose is None else replace(frame, T_world_camera=pose)
+
+
+def _is_due(message: PoseCorrection, frame_seq: int) -> bool:
+    """Tell whether ``message`` holds from an earlier frame of the same visit on."""
+    is_same = visit_of(message.frame_seq) == visit_of(frame_seq)
+    return is_same and message.frame_seq <= frame_seq
 
 
 def correction_of(message: PoseCorrection) -> Correction:

@@ -32,20 +32,12 @@ class Credentials:
             if not (self.folder / name).is_file():
                 raise ValueError(f"credentials: {self.folder / name}: no such file")
         key = self.folder / KEY
-        if key.stat().st_mode & (stat.S_IRWXG | stat.S_IRWXO):
+        if key.stat().st_mode & _others(key):
             raise ValueError(f"credentials: {key}: others may read it (chmod 600)")
 
     def link(self) -> dict[str, Any]:
         """Return zenoh's ``transport/link/tls``: both sides show a certificate."""
-        path = {name: str(self.folder / name) for name in (AUTHORITY, CERTIFICATE, KEY)}
-        return {
-            "root_ca_certificate": path[AUTHORITY],
-            "enable_mtls": True,
-            "listen_certificate": path[CERTIFICATE],
-            "listen_private_key": path[KEY],
-            "connect_certificate": path[CERTIFICATE],
-            "connect_private_key": path[KEY],
-        }
+        return tls_link(self.folder)
 
     def access(self) -> dict[str, Any]:
         """Return zenoh's ``access_control``; raise ``ValueError`` when the file is unusable."""
@@ -57,6 +49,29 @@ class Credentials:
         if not isinstance(access, dict) or access.get("default_permission") != "deny":
             raise ValueError(f"credentials: {path}: not made by 'sceneq secure init'")
         return access
+
+
+def tls_link(folder: Path) -> dict[str, Any]:
+    """Return zenoh's ``transport/link/tls`` with the files in ``folder``, there or not."""
+    path = {name: str(folder / name) for name in (AUTHORITY, CERTIFICATE, KEY)}
+    return {
+        "root_ca_certificate": path[AUTHORITY],
+        "enable_mtls": True,
+        "listen_certificate": path[CERTIFICATE],
+        "listen_private_key": path[KEY],
+        "connect_certificate": path[CERTIFICATE],
+        "connect_private_key": path[KEY],
+    }
+
+
+def _others(key: Path) -> int:
+    """Return the permission bits that must not be set.
+
+    systemd and Kubernetes put secrets on a read-only mount for one process, where its group has to
+    read them.
+    """
+    mounted = os.statvfs(key).f_flag & os.ST_RDONLY
+    return stat.S_IRWXO if mounted else stat.S_IRWXG | stat.S_IRWXO
 
 
 def given_credentials(environment: Mapping[str, str] = os.environ) -> Credentials | None:

@@ -60,6 +60,8 @@ def damage_named() -> Iterator[None]:
     """Turn SQLite's errors into ``DamageError`` for a damaged file, else into ``StoreError``."""
     try:
         yield
+    except UnicodeDecodeError as error:  # of a message of SQLite that quotes what is damaged
+        raise DamageError(f"no text: {error}") from error
     except sqlite3.Error as error:
         damaged = _primary_code(error) in DAMAGED
         raise (DamageError if damaged else StoreError)(str(error)) from error

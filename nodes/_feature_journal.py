@@ -7,9 +7,11 @@ from threading import Lock
 import numpy as np
 
 from sceneq_nodes._bus import Reply, Request
+from sceneq_nodes._changes import Changes
+from sceneq_nodes._recent_deltas import wanted_deltas
 from sceneq_nodes._wire import to_bytes
 from sceneq_schemas.feature import Descriptor, FeatureDelta
-from sceneq_schemas.topics import FEATURE_SNAPSHOT
+from sceneq_schemas.topics import FEATURE_JOURNAL, FEATURE_SNAPSHOT
 
 
 class FeatureJournal:
@@ -21,6 +23,7 @@ class FeatureJournal:
     def __init__(self, epoch: int, model_id: str) -> None:
         self._lock = Lock()
         self._descriptors: dict[int, Descriptor] = {}
+        self._changes = Changes()
         self._last = FeatureDelta(
             epoch=epoch,
             seq=0,
@@ -36,6 +39,7 @@ class FeatureJournal:
         """Go on with the descriptors of an earlier run, which wrote no delta beyond ``seq``."""
         with self._lock:
             self._descriptors = {one.instance_id: one for one in descriptors}
+            self._changes = Changes(seq)
             self._last = replace(self._last, seq=seq, map_epoch=map_epoch)
 
     @property
@@ -89,6 +93,10 @@ class FeatureJournal:
             for instance_id in self._last.removed.tolist():
                 self._descriptors.pop(instance_id, None)
             self._descriptors |= {one.instance_id: one for one in self._last.descriptors}
+            if other_map:
+                self._changes = Changes(self._last.seq)
+            changed_ids = [one.instance_id for one in self._last.descriptors]
+            self._changes.note(self._last.seq, [*changed_ids, *self._last.removed.tolist()])
             return self._last
 
     def snapshot(self) -> FeatureDelta:
@@ -100,3 +108,15 @@ class FeatureJournal:
     def answer(self, request: Request) -> Reply:
         """Answer a request for the snapshot."""
         return Reply(to_bytes(FEATURE_SNAPSHOT, self.snapshot()), FEATURE_SNAPSHOT.encoding)
+
+    def answer_changes(self, request: Request) -> Reply | None:
+        """Answer with what changed after a delta, or with nothing when that is not known."""
+        epoch, after = wanted_deltas(request)
+        with self._lock:
+            ids = self._changes.after(after)
+            if epoch != self._last.epoch or ids is None:
+                return None
+            known = tuple(self._descriptors[i] for i in ids if i in self._descriptors)
+            gone = np.array([i for i in ids if i not in self._descriptors], np.int32)
+            changed = replace(self._last, full=False, descriptors=known, removed=gone)
+        return Reply(to_bytes(FEATURE_JOURNAL, changed), FEATURE_JOURNAL.encoding)

@@ -18,6 +18,8 @@ from sceneq_schemas.view import ViewSet
 log = logging.getLogger(__name__)
 
 INSTANCE, REST = "instance", "rest"
+FORM = 1
+"""To be raised with every change of what the items hold."""
 
 
 @dataclass(slots=True)
@@ -39,7 +41,7 @@ class FeatureStore:
         self.kept = Features()
         self._beside: dict[str, Any] = {}
         path = scene_folder / f"features-{model}.sqlite"
-        self._items = ItemStore(path, self._everything, count)
+        self._items = ItemStore(path, self._everything, count, FORM)
 
     @property
     def is_behind(self) -> bool:
@@ -50,9 +52,10 @@ class FeatureStore:
         """Read what the last run left to ``kept``; return what lay beside, {} if nothing did."""
         try:
             return self._read()
-        except (DamageError, StateError, KeyError, ValueError) as error:
+        except (DamageError, StateError, KeyError, TypeError, ValueError) as error:
             self.kept, self._beside = Features(), {}
-            self._items.start_anew(str(error))
+            is_key = isinstance(error, KeyError)
+            self._items.start_anew(f"{error} is missing" if is_key else str(error))
             return {}
 
     def keep(self, delta: FeatureDelta, made_of: dict[int, bytes], beside: dict[str, Any]) -> None:

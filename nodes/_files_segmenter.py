@@ -10,6 +10,7 @@ import numpy as np
 
 from sceneq_core.arrays import Array, UInt16
 from sceneq_core.frame import Frame
+from sceneq_core.visits import seq_of
 from sceneq_nodes._frame_files import lap_length
 from sceneq_nodes._image_file import header
 
@@ -49,7 +50,7 @@ class FilesSegmenter:
         Raises:
             ValueError: no file, no complete PNG, not grey 8 or 16 bit, or another size.
         """
-        path = self._folder / f"frame-{self._number(frame.seq):06d}.mask.png"
+        path = self._folder / f"frame-{self._number(seq_of(frame.seq)):06d}.mask.png"
         try:
             labels = _labels(path.read_bytes())
         except (OSError, ValueError) as error:

@@ -17,6 +17,8 @@ PNG_CHANNELS = {0: 1, 2: 3, 3: 3, 4: 2, 6: 4}
 """Colour type -> channels; a palette (3) holds RGB."""
 JPEG_START, JPEG_SCAN, JPEG_END = b"\xff\xd8", 0xDA, b"\xff\xd9"
 JPEG_SIZES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+MAX_PIXELS = 1 << 25
+"""8K: a header of a few bytes may not claim more memory than these pixels take."""
 INVALID_DEPTH = 65535
 """What the 7-Scenes recordings write where there was no measurement; ours is 0."""
 
@@ -38,10 +40,15 @@ class Header:
 def header(data: bytes) -> Header:
     """Return what a complete PNG or JPEG file holds; raise ``ValueError`` on anything else."""
     if data.startswith(PNG_SIGNATURE):
-        return _png_header(data)
-    if data.startswith(JPEG_START):
-        return _jpeg_header(data)
-    raise ValueError("neither PNG nor JPEG" if data else "empty file")
+        found = _png_header(data)
+    elif data.startswith(JPEG_START):
+        found = _jpeg_header(data)
+    else:
+        raise ValueError("neither PNG nor JPEG" if data else "empty file")
+    width, height = found.size
+    if width * height > MAX_PIXELS:
+        raise ValueError(f"{width} x {height} pixels, the limit is {MAX_PIXELS}")
+    return found
 
 
 def decode_rgb(data: bytes) -> UInt8:

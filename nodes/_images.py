@@ -9,13 +9,15 @@ from sceneq_core.arrays import Array, Float32, Float64
 from sceneq_core.frame import Frame, depth_from_mm, depth_to_mm
 from sceneq_core.ingest.transforms import rigid_defect
 from sceneq_core.views.jpeg import jpeg_from_rgb, jpeg_size, rgb_from_jpeg
+from sceneq_nodes._depth_codec import compressed_depth, depth_from_planes
 from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.frame import Frame as FrameMessage
 from sceneq_schemas.frame import ImageData
 
 ZSTD_LEVEL = 1
 MAX_SIDE_PX = 16_384
-MAX_IMAGE_BYTES = 256 * 1024 * 1024
+MAX_IMAGE_BYTES = 64 * 1024 * 1024
+"""22 million pixels of colour: few bytes may claim no more memory than that."""
 
 _DTYPES = ("|u1", "<u2")
 
@@ -33,10 +35,12 @@ def image_data(array: Array, codec: str) -> ImageData:
         data = _little_endian(array)
     elif codec == "zstd":
         data = zstandard.ZstdCompressor(level=ZSTD_LEVEL).compress(_little_endian(array))
+    elif codec == "delta" and array.ndim == 2 and dtype == "<u2":
+        data = compressed_depth(array)
     elif codec == "jpeg":
         data = jpeg_from_rgb(array)
     else:
-        raise ValueError(f"unknown image codec {codec!r}; known: raw, jpeg, zstd")
+        raise ValueError(f"unknown image codec {codec!r}; known: raw, jpeg, zstd, delta (depth)")
     return ImageData(codec, dtype, array.shape, data)
 
 
@@ -51,6 +55,8 @@ def array_from_image(image: ImageData) -> Array:
         return _from_raw(image, image.data, size_bytes)
     if image.codec == "zstd":
         return _from_raw(image, _decompress(image.data, size_bytes), size_bytes)
+    if image.codec == "delta" and image.dtype == "<u2" and len(image.shape) == 2:
+        return depth_from_planes(_decompress(image.data, size_bytes), image.shape)
     if image.codec == "jpeg":
         return _from_jpeg(image)
     raise DecodeError(f"image: unknown codec {image.codec!r:.40}")

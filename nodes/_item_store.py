@@ -10,7 +10,7 @@ from pathlib import Path
 
 from sceneq_nodes._database import damage_named, open_database
 from sceneq_nodes._folder_lock import FolderLock
-from sceneq_nodes._set_aside import StoreError, set_aside
+from sceneq_nodes._set_aside import DamageError, NewerSchemaError, StoreError, set_aside
 
 log = logging.getLogger(__name__)
 
@@ -19,6 +19,8 @@ TABLES = """
 CREATE TABLE item (kind TEXT NOT NULL, number INTEGER NOT NULL, data BLOB NOT NULL,
                    crc INTEGER NOT NULL, PRIMARY KEY (kind, number))
 """
+FORM, FIRST_FORM = "form", 1
+"""The item that tells the form, and the form of items from before there was one."""
 AGAIN_S = 5.0
 """How long to wait before a disk that failed is tried again."""
 
@@ -50,17 +52,24 @@ class ItemStore:
         path: the file.
         everything: returns all items as of now.
         count: counts ``store_failed`` and ``store_damaged``.
+        form: version of what the data of the items hold; the file notes it. Data of an earlier
+            one are set aside, for nobody reads them; a later one is left alone.
 
     Raises:
-        StoreError: a newer schema, another process, or a folder that cannot be written.
+        StoreError: a newer schema or form, another process, or a folder that cannot be written.
     """
 
     def __init__(
-        self, path: Path, everything: Callable[[], Iterable[Item]], count: Callable[[str], None]
+        self,
+        path: Path,
+        everything: Callable[[], Iterable[Item]],
+        count: Callable[[str], None],
+        form: int = 1,
     ) -> None:
         self.path = path
         self._everything = everything
         self._count = count
+        self._form = form
         self._again_s = 0.0
         self._is_behind = False
         try:
@@ -69,6 +78,7 @@ class ItemStore:
         except OSError as error:
             raise StoreError(f"{path}: {error.strerror or error}") from error
         self._db = self._open()
+        self._check_form()
 
     @property
     def is_behind(self) -> bool:
@@ -85,7 +95,8 @@ class ItemStore:
             rows = self._db.execute("SELECT * FROM item ORDER BY kind, number")
             for kind, number, data, crc in rows:
                 if _is_whole(kind, number, data, crc):
-                    yield Item(kind, number, data)
+                    if kind != FORM:
+                        yield Item(kind, number, data)
                 else:
                     self._count("store_damaged")
                     log.error("%s: %s %s: wrong checksum, left out", self.path, kind, number)
@@ -116,8 +127,32 @@ class ItemStore:
     def _open(self) -> sqlite3.Connection:
         return open_database(self.path, TABLES, SCHEMA)
 
+    def _check_form(self) -> None:
+        """Make sure that the items can be read, or set them aside; note the form of new ones."""
+        try:
+            found = self._found_form()
+            if found > self._form:
+                self.close()
+                raise NewerSchemaError(self.path, found, self._form, "items of form")
+            if found < self._form:
+                self.start_anew(f"items of form {found}, this version reads {self._form}")
+        except DamageError as damage:
+            self.start_anew(str(damage))
+        except OSError as error:
+            raise StoreError(f"{self.path}: {error.strerror or error}") from error
+
+    def _found_form(self) -> int:
+        """Return the form of what is there, that of new items when nothing is."""
+        with damage_named():
+            rows = self._db.execute("SELECT number FROM item WHERE kind = ?", (FORM,)).fetchall()
+            some = self._db.execute("SELECT 1 FROM item LIMIT 1").fetchone()
+        if not some:
+            return self._form
+        return int(rows[0][0]) if rows else FIRST_FORM
+
     def _write(self, change: Change, *, anew: bool = False) -> None:
-        rows = [(i.kind, i.number, i.data, _crc(i.kind, i.number, i.data)) for i in change.put]
+        put = (*change.put, Item(FORM, self._form, b""))
+        rows = [(i.kind, i.number, i.data, _crc(i.kind, i.number, i.data)) for i in put]
         with self._db:
             self._db.execute("BEGIN IMMEDIATE")
             if anew:

@@ -76,6 +76,13 @@ class Journal:
                     raise DamageError(f"entries {expected} to {row[0] - 1} are missing")
                 yield self._checked(*row)
 
+    def of_kind(self, kind: str) -> Iterator[Entry]:
+        """Yield the entries of one kind that are kept; raise ``DamageError`` at a damaged one."""
+        with damage_named():
+            rows = self._db.execute("SELECT * FROM entry WHERE kind = ? ORDER BY position", (kind,))
+            for row in rows:
+                yield self._checked(*row)
+
     def span(self) -> tuple[int, int]:
         """Return the first and the last position; (0, 0) when there is none."""
         with damage_named():
@@ -92,8 +99,11 @@ class Journal:
         """Let go of the oldest entries at and before a position, a few at a time."""
         first, _ = self.span()
         if 0 < first <= before:
-            last = min(before, first + DROPPED_AT_ONCE - 1)
-            self._write("DELETE FROM entry WHERE position <= ?", (last,))
+            self.drop(min(before, first + DROPPED_AT_ONCE - 1))
+
+    def drop(self, last: int) -> None:
+        """Let go of all entries up to position ``last``."""
+        self._write("DELETE FROM entry WHERE position <= ?", (last,))
 
     def number(self, name: str, default: int = 0) -> int:
         """Return the number kept under ``name``."""

@@ -15,6 +15,7 @@ from sceneq_core.routing.namer import Namer
 from sceneq_core.routing.scene import SceneSnapshot
 from sceneq_nodes._bus import Bus, Reply, Request
 from sceneq_nodes._epoch import new_epoch
+from sceneq_nodes._pages import paged
 from sceneq_nodes._wire import to_bytes
 from sceneq_schemas.label import InstanceLabel as InstanceLabelMessage
 from sceneq_schemas.label import LabelDelta
@@ -48,7 +49,7 @@ class LabelStream:
             labels=(),
             removed=np.zeros(0, np.int32),
         )
-        bus.serve(LABEL_SNAPSHOT, self._answer, scene=scene)
+        bus.serve(LABEL_SNAPSHOT, paged(self._answer), scene=scene)
 
     def tell(self, naming: Naming) -> None:
         """Take over what a reasoner calls an instance."""

@@ -34,6 +34,7 @@ class RouterLaunch:
     listen: Sequence[str]
     connect: Sequence[str]
     credentials: Credentials | None = None
+    scene: str = ""
 
 
 def read_launch(
@@ -55,7 +56,8 @@ def read_launch(
         listen = [options.endpoint] if options.endpoint else router.get("listen")
         folder = router.get("credentials")
         credentials = Credentials(Path(folder)) if folder else given_credentials(environment)
-        return RouterLaunch(listen or [DEFAULT_ENDPOINT], router.get("connect", ()), credentials)
+        listen, connect = listen or [DEFAULT_ENDPOINT], router.get("connect", ())
+        return RouterLaunch(listen, connect, credentials, graph.get("scene", ""))
     name = options.node or environment.get("SCENEQ_NODE") or options.kind
     if not name:
         raise ValueError("nothing to run: name a node kind, or set SCENEQ_GRAPH and SCENEQ_NODE")

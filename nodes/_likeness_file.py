@@ -5,7 +5,6 @@ JSON with ``format`` and ``encoders``: model id, or the start of one and ``*`` -
 ``sceneq calibrate-names`` writes it.
 """
 
-import json
 from collections.abc import Mapping
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import Any
 
 from sceneq_core.teaching.evidence import PLACE, Judgement
 from sceneq_core.teaching.logistic import Logistic
+from sceneq_nodes._json_fields import parse
 
 FORMAT = "sceneq.likeness.v1"
 SHIPPED = Path(__file__).parent / "likeness.json"
@@ -26,7 +26,7 @@ def judgement_of(model_id: str, path: str = "") -> Judgement:
     """
     file = Path(path) if path else SHIPPED
     try:
-        encoders = _encoders(json.loads(file.read_text(encoding="utf-8")))
+        encoders = _encoders(parse(file.read_bytes()))
         found = (encoders[key] for key in sorted(encoders) if fnmatchcase(model_id, key))
         return _judgement(next(found, {}))
     except OSError as error:

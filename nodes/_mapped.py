@@ -1,6 +1,7 @@
 """The map of a scene with all else that decides what becomes of it: what a journal can repeat."""
 
 import hashlib
+import json
 from collections import OrderedDict
 from collections.abc import Iterator
 from typing import Any
@@ -11,11 +12,15 @@ from sceneq_core.mapping.delta import MapDelta
 from sceneq_core.mapping.mapper import Mapper, MapperParams
 from sceneq_core.mapping.proposals import Proposals
 from sceneq_core.mapping.resumption import resumed, state_of
+from sceneq_core.places.gazetteer import Gazetteer, GazetteerParams
+from sceneq_core.places.visit import Visits
 from sceneq_core.state import State, StateError
+from sceneq_core.visits import visit_of
 from sceneq_nodes._corrections import Corrections, correction_of
 from sceneq_nodes._images import frame_from_message
 from sceneq_nodes._journal import Entry
 from sceneq_nodes._order import may_come
+from sceneq_nodes._visit_json import visit_from_json, visit_json
 from sceneq_nodes._wire import from_bytes, to_bytes
 from sceneq_schemas.codec import decode
 from sceneq_schemas.correction import PoseCorrection
@@ -25,7 +30,7 @@ from sceneq_schemas.proposal import ProposalSet
 from sceneq_schemas.topics import FRAME, MASK, POSE_CORRECTION, PROPOSAL
 
 KEYFRAME, REFUSED, CORRECTION = "keyframe", "refused", "correction"
-PROPOSED, GIVEN = "proposals", "given proposals"
+PROPOSED, GIVEN, VISITED = "proposals", "given proposals", "visit"
 MAX_GIVEN_BYTES = 1 << 30
 REMEMBERED_SEQS = 65_536
 
@@ -36,11 +41,15 @@ class Mapped:
     Attributes:
         mapper: the map; change it only through the methods here.
         newest: seq and stamp of the last frame in the map, (-1, 0) before the first.
+        visits: who came into the scene; change them only with ``enter``.
+        gazetteer: the places of the map.
     """
 
     def __init__(self, params: MapperParams) -> None:
         self.mapper = Mapper(params)
         self.newest = (-1, 0)
+        self.visits = Visits()
+        self.gazetteer = Gazetteer(GazetteerParams())
         self._given = b""
         self._corrections = Corrections()
         self._done: OrderedDict[int, int] = OrderedDict()
@@ -51,7 +60,18 @@ class Mapped:
 
     def may_come(self, frame: Frame) -> bool:
         """Tell whether the frame that ``frame`` is to come after has come."""
-        return may_come(frame, self._done, next(iter(self._done), None))
+        visit = visit_of(frame.seq)
+        oldest = next((seq for seq in self._done if visit_of(seq) == visit), None)
+        return may_come(frame, self._done, oldest)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no frame came yet."""
+        return not self._done
+
+    def enter(self, data: bytes) -> None:
+        """Note a visit, or what is known better of one; raise ``ValueError`` if it is none."""
+        self.visits.take(visit_from_json(json.loads(data)))
 
     def integrate(self, frame: Frame, masks: Masks) -> MapDelta:
         """Add a keyframe at its newest pose; what is ``due`` by it has been applied.
@@ -61,8 +81,11 @@ class Mapped:
         """
         self.refuse(frame.seq, frame.stamp_ns)
         corrected = self._corrections.corrected(frame)
-        delta = self.mapper.integrate(frame_from_message(corrected), masks.label_image)
+        taken = frame_from_message(corrected)
+        delta = self.mapper.integrate(taken, masks.label_image)
         self.newest = (frame.seq, frame.stamp_ns)
+        if not delta.quarantined:
+            self.gazetteer.visit(taken)
         return delta
 
     def refuse(self, seq: int, stamp_ns: int) -> None:
@@ -82,6 +105,7 @@ class Mapped:
         for correction in self._corrections.due(frame_seq):
             try:
                 outcome: MapDelta | ValueError = self.mapper.correct(correction_of(correction))
+                self.gazetteer.correct(correction_of(correction))
             except ValueError as error:
                 outcome = error
             yield correction, outcome
@@ -130,6 +154,8 @@ class Mapped:
             self.propose(from_bytes(PROPOSAL, entry.first))
         elif entry.kind == GIVEN:
             self.give(entry.first)
+        elif entry.kind == VISITED:
+            self.enter(entry.first)
         else:
             raise ValueError(f"entry {entry.position} is of an unknown kind {entry.kind!r:.40}")
         return []
@@ -146,6 +172,8 @@ class Mapped:
                 "corrections": [to_bytes(POSE_CORRECTION, message) for message in waiting],
                 "poses": poses,
                 "given": self._given,
+                "visits": json.dumps([visit_json(visit) for visit in self.visits.all()]),
+                "gazetteer": self.gazetteer,
             },
         )
 
@@ -161,10 +189,12 @@ class Mapped:
             beside: dict[str, Any] = kept["caller"]
             self.newest, self._given = kept["newest"], kept["given"]
             poses, done = kept["poses"], kept["done"].tolist()
+            visits = Visits(map(visit_from_json, json.loads(kept["visits"])))
+            self.gazetteer = kept["gazetteer"]
         except (KeyError, ValueError) as error:
             raise StateError(f"no state of a mapping node: {error}") from error
         self.mapper, self._done = mapper, OrderedDict(done)
-        self._corrections = Corrections(waiting, poses)
+        self._corrections, self.visits = Corrections(waiting, poses), visits
         return beside
 
     def _applied(self, frame_seq: int) -> list[MapDelta]:

@@ -86,7 +86,7 @@ def replay(records: Iterable[Record]) -> dict[int, Taught]:
     for record in records:
         try:
             _happen(names, record)
-        except (KeyError, TypeError, ValueError) as error:
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise ValueError(f"record {record.get('number')}: {error!r:.80}") from error
     return names
 

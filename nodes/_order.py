@@ -3,6 +3,7 @@
 from collections.abc import Container
 
 from sceneq_schemas.frame import Frame
+from sceneq_schemas.map import MapDelta
 
 
 def may_come(frame: Frame, taken: Container[int], oldest: int | None) -> bool:
@@ -15,3 +16,9 @@ def may_come(frame: Frame, taken: Container[int], oldest: int | None) -> bool:
     if before < 0 or before == frame.seq or oldest is None:
         return True
     return before < oldest or before in taken
+
+
+def says_nothing(delta: MapDelta) -> bool:
+    """Tell whether a change of the map only names a frame, as after a silence."""
+    columns = (delta.voxel_id, delta.removed_voxel_id, delta.moved_from_id)
+    return not (any(map(len, columns)) or delta.instances or delta.events or delta.quarantined)

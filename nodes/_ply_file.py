@@ -54,12 +54,12 @@ def read_vertices(path: Path) -> Float32:
 
 
 def _header(text: str) -> _Header:
-    lines = [line.split() for line in text.splitlines()]
+    lines = [words for line in text.splitlines() if len(words := line.split()) > 1]
     elements = [words for words in lines if words[:1] == ["element"]]
     forms = [words[1] for words in lines if words[:1] == ["format"]]
     if not forms or (forms[0] not in ORDERS and forms[0] != "ascii"):
         raise ValueError(f"format: expected ascii or one of {', '.join(ORDERS)}, got {forms}")
-    if not elements or elements[0][1] != "vertex":
+    if not elements or elements[0][1] != "vertex" or len(elements[0]) < 3:
         raise ValueError("element vertex: must come first")
     start = lines.index(elements[0]) + 1
     stop = lines.index(elements[1]) if len(elements) > 1 else len(lines)
@@ -93,5 +93,8 @@ def _ascii_vertices(header: _Header, body: bytes) -> Float32:
         raise ValueError(f"element vertex: {header.count} expected, got {len(rows)}")
     names = [name for name, _ in header.vertex]
     columns = [names.index(axis) for axis in AXES]
-    values = [[float(words[at]) for at in columns] for words in map(str.split, rows)]
+    table = [row.split() for row in rows]
+    if any(len(words) < len(names) for words in table):
+        raise ValueError(f"element vertex: expected {len(names)} numbers in every line")
+    values = [[float(words[at]) for at in columns] for words in table]
     return np.array(values, np.float32).reshape(-1, 3)

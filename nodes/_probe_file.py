@@ -7,7 +7,6 @@ of the examples; ``sceneq train-probe`` writes it.
 """
 
 import hashlib
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,11 +18,13 @@ from sceneq_core.arrays import Float32
 from sceneq_core.encoding.lessons import Lessons
 from sceneq_core.encoding.probe import Probe
 from sceneq_core.encoding.usual_sizes import UsualSizes
+from sceneq_nodes._npz_file import read_arrays
 
 HOUSEHOLD = Path(__file__).parent / "household_probe.npz"
 """Taught with rendered things (docs/adr/0018-taught-with-rendered-rooms.md)."""
 
 SENTENCE_DIM = 384
+MAX_MB = 256
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,12 +43,11 @@ def read_probe(path: Path) -> ProbeFile:
         ValueError: no such file, or not one of a probe; it is named.
     """
     try:
-        data = path.read_bytes()
-        with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-            lessons, taught_with = _lessons(arrays), str(arrays["taught_with"])
+        data, arrays = path.read_bytes(), read_arrays(path, MAX_MB)
+        lessons, taught_with = _lessons(arrays), str(arrays["taught_with"])
     except OSError as error:
         raise ValueError(f"{path}: {error.strerror or error}") from error
-    except Exception as error:  # a damaged file fails in many ways inside zipfile and numpy
+    except (ValueError, KeyError, TypeError) as error:
         raise ValueError(f"{path}: no probe file: {error!r:.120}") from error
     if lessons.text_vectors.shape[1:] != (SENTENCE_DIM,):
         shape = lessons.text_vectors.shape

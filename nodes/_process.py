@@ -17,11 +17,12 @@ from threading import Event
 from typing import Any
 
 from sceneq_nodes._backends import load
-from sceneq_nodes._bus import Context, Node
+from sceneq_nodes._bus import Context, Node, Received
 from sceneq_nodes._counters import Counters
 from sceneq_nodes._health import Health, metrics
 from sceneq_nodes._launch import Launch, RouterLaunch, read_launch
 from sceneq_nodes._lifecycle import Stop
+from sceneq_nodes._logs import about_message, set_up_logs
 from sceneq_nodes._params import validate
 from sceneq_nodes._runtime import ZenohBus, close, open_router
 from sceneq_schemas.topics import HEALTH, METRIC
@@ -39,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         launch = read_launch(sys.argv[1:] if arguments is None else arguments)
         if isinstance(launch, RouterLaunch):
-            _prepare("router")
+            _prepare("router", launch.scene)
             return run_router(launch)
         return run_alone(launch)
     except (ValueError, ConnectionError) as error:
@@ -47,15 +48,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return BAD_INPUT
 
 
-def run_alone(launch: Launch) -> int:
-    """Make this process the node that ``launch`` names; return the exit code.
+def run_alone(launch: Launch, node_class: type[Node] | None = None) -> int:
+    """Make this process the node that ``launch`` names, or ``node_class``; return the exit code.
 
     Raises:
         ValueError: an unknown kind or a bad parameter.
     """
-    _prepare(launch.context.node)
+    _prepare(launch.context.node, launch.context.scene)
     _make_store(launch.context)
-    node_class = load("nodes", launch.kind)
+    node_class = node_class or load("nodes", launch.kind)
     return run(node_class, validate(node_class.Params, launch.params), launch)
 
 
@@ -118,15 +119,23 @@ def _loop(node: Node, bus: ZenohBus, health: Health, stop: Event) -> int:
         received = bus.take(min(SLICE_S, node.idle_s))
         if received is None and time.monotonic() - last < node.idle_s:
             continue
-        try:
-            with health.step():
-                node.step(received)
-        except Exception:
-            seq = getattr(received.message, "seq", None) if received else None
-            log.exception("step failed on %s seq %s", received.key if received else "idle", seq)
-            return STOPPED if stop.is_set() else BUG
+        with about_message(received and received.message):
+            if not _survives(node, received, health):
+                return STOPPED if stop.is_set() else BUG
         last = time.monotonic()
     return STOPPED
+
+
+def _survives(node: Node, received: Received | None, health: Health) -> bool:
+    """Take one step; tell whether it went well."""
+    try:
+        with health.step():
+            node.step(received)
+    except Exception:
+        seq = getattr(received.message, "seq", None) if received else None
+        log.exception("step failed on %s seq %s", received.key if received else "idle", seq)
+        return False
+    return True
 
 
 def _publish_health(bus: ZenohBus, health: Health) -> None:
@@ -150,9 +159,8 @@ def _make_store(context: Context) -> None:
         log.error("store %s: %s; nothing of this run will be kept", context.store, error.strerror)
 
 
-def _prepare(name: str) -> None:
-    """Name the process in its log and in ``top``."""
-    form = f"%(asctime)s %(levelname)s {name}: %(message)s"
-    logging.basicConfig(stream=sys.stderr, level=logging.INFO, format=form)
+def _prepare(name: str, scene: str) -> None:
+    """Name the process in its log and in ``top``; raise ``ValueError`` for an unknown log form."""
+    set_up_logs(name, scene)
     with contextlib.suppress(OSError):
         Path("/proc/self/comm").write_text(f"sceneq-{name}")

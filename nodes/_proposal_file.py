@@ -3,13 +3,16 @@
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
-from zipfile import BadZipFile
 
 import numpy as np
 
 from sceneq_core.arrays import Array, Float32
 from sceneq_core.mapping.proposals import Proposals
+from sceneq_nodes._npz_file import read_arrays
 from sceneq_nodes._ply_file import read_vertices
+
+MAX_MB = 1024
+"""Ten million points with their masks take a quarter of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,13 +50,12 @@ class ProposalFile:
             if self._path.suffix == ".npz":
                 return _from_npz(self._path)
             return _from_scannet(self._path, self._cloud)
-        except (OSError, ValueError, BadZipFile) as error:
+        except (OSError, ValueError) as error:
             raise ValueError(f"{self._path}: {error}") from error
 
 
 def _from_npz(path: Path) -> Proposals:
-    with path.open("rb") as data, np.load(data, allow_pickle=False) as file:
-        fields = {name: file[name] for name in file.files}
+    fields = read_arrays(path, MAX_MB)
     points_world = _field(fields, "points_world", "f")
     if "instance" in fields:
         mask_id, point_id = _pairs_of(_field(fields, "instance", "iu"), len(points_world))

@@ -1,10 +1,14 @@
 """The last deltas of the map, for a reader that missed some and must not skip any."""
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
-from sceneq_nodes._bus import QueryError, Request
-from sceneq_schemas.map import MapDelta
+from sceneq_core.mapping.merged import merged
+from sceneq_nodes._bus import QueryError, Reply, Request
+from sceneq_nodes._convert import map_delta_from_message, map_delta_message
+from sceneq_nodes._wire import to_bytes
+from sceneq_schemas.map import MapDelta, MapDeltas
+from sceneq_schemas.topics import MAP_JOURNAL
 
 MAX_DELTAS = 256
 MAX_VOXELS = 2_000_000
@@ -46,6 +50,15 @@ class RecentDeltas:
         if seq < self._complete_after or self._known < seq < self._begin:
             return None
         return tuple(delta for delta in self._deltas if delta.seq > seq)
+
+
+def journal_reply(request: Request, epoch: int, seq: int, deltas: Sequence[MapDelta]) -> Reply:
+    """Return ``deltas`` as they were told, or with ``?merged=1`` as one change."""
+    if request.parameters.get("merged") == "1" and len(deltas) > 1:
+        one = merged([map_delta_from_message(delta) for delta in deltas])
+        deltas = [map_delta_message(one, epoch, deltas[-1].seq)]
+    message = MapDeltas(epoch, seq, tuple(deltas))
+    return Reply(to_bytes(MAP_JOURNAL, message), MAP_JOURNAL.encoding)
 
 
 def wanted_deltas(request: Request) -> tuple[int, int]:

@@ -8,25 +8,20 @@ import json
 import logging
 import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import zenoh
 
-from sceneq_nodes._bus import Context, Handler, QueryError, Received, Reply, Request
+from sceneq_nodes._bus import Context, Handler, QueryError, Received, Reply
 from sceneq_nodes._counters import Counters
 from sceneq_nodes._credentials import Credentials, given_credentials
+from sceneq_nodes._foreign import ForeignSession
 from sceneq_nodes._inbox import Inbox, Raw
-from sceneq_nodes._queries import (
-    ERROR_ENCODING,
-    QueryPool,
-    answer,
-    error_bytes,
-    error_from_bytes,
-    format_parameters,
-    parse_parameters,
-)
+from sceneq_nodes._liveness import live_nodes
+from sceneq_nodes._logs import query_attachment
+from sceneq_nodes._queries import QueryPool, error_from_bytes, format_parameters
+from sceneq_nodes._served import Served
 from sceneq_nodes._session import client_config, router_config
 from sceneq_nodes._wire import from_bytes, to_bytes
 from sceneq_schemas.errors import DecodeError
@@ -34,13 +29,12 @@ from sceneq_schemas.topics import LIVE, Delivery, Topic
 
 log = logging.getLogger(__name__)
 
-LIVENESS_TIMEOUT_S = 1.0
-MAX_REQUEST_BYTES = 1024 * 1024
 
 PRIORITY = {
     Delivery.LATEST: zenoh.Priority.DATA_LOW,
     Delivery.STATE: zenoh.Priority.DATA_HIGH,
     Delivery.QUERY: zenoh.Priority.INTERACTIVE_HIGH,
+    Delivery.BULK: zenoh.Priority.DATA_LOW,
     Delivery.BACKGROUND: zenoh.Priority.BACKGROUND,
 }
 
@@ -52,12 +46,13 @@ class ZenohBus:
         """Connect to the router at ``endpoint``; waits for it as long as it takes."""
         self.context = context
         self._session = open_session(endpoint)
+        self.foreign = ForeignSession(self._session)
         self._counters = counters
         self._inbox = Inbox()
         self._pool = QueryPool()
         self._publishers: dict[str, zenoh.Publisher] = {}
         self._publishing = threading.Lock()
-        self._served: list[_Queryable] = []
+        self._served: list[Served] = []
         self._announced = False
         self._declared: list[Any] = []
 
@@ -77,7 +72,7 @@ class ZenohBus:
     def serve(self, topic: Topic, handler: Handler, **ids: str) -> None:
         """Answer queries on the topic's key from the pool, from ``announce`` on."""
         key = topic.key(**ids)
-        self._served.append(_Queryable(topic, key, ids, handler, self._pool, self._counters))
+        self._served.append(Served(topic, key, ids, handler, self._pool, self._counters))
         if self._announced:
             self._declare_served()
 
@@ -94,7 +89,7 @@ class ZenohBus:
         selector = topic.key(**ids)
         if parameters:
             selector += "?" + format_parameters(parameters)
-        replies, errors = get(self._session, selector, payload, "", timeout_s)
+        replies, errors = get(self._session, selector, payload, "", timeout_s, topic.delivery)
         if errors and not replies:
             raise errors[0]
         for _, reply in replies:
@@ -125,8 +120,7 @@ class ZenohBus:
         """Return the next message that decodes, or ``None`` after ``timeout_s``."""
         raw = self._inbox.take(timeout_s)
         while raw is not None:
-            received = self._decode(raw)
-            if received is not None:
+            if (received := self._decode(raw)) is not None:
                 return received
             raw = self._inbox.take(0.0)
         return None
@@ -185,59 +179,15 @@ class ZenohBus:
             log.warning("undecodable no. %d on %s: %s", total, key, reason)
 
 
-@dataclass(frozen=True, slots=True)
-class _Queryable:
-    """One served key: takes queries from zenoh's thread and answers them on the pool's."""
-
-    topic: Topic
-    key: str
-    ids: Mapping[str, str]
-    handler: Handler
-    pool: QueryPool
-    counters: Counters
-
-    def accept(self, query: zenoh.Query) -> None:
-        """On zenoh's thread: hand over to the pool, or refuse at once."""
-        try:
-            self.pool.submit(partial(self._respond, query))
-        except QueryError as busy:
-            self.counters.count("queries_refused")
-            with query:
-                query.reply_err(error_bytes(busy), encoding=ERROR_ENCODING)
-
-    def _respond(self, query: zenoh.Query) -> None:
-        with query:
-            outcome = self._outcome(query)
-            self.counters.topic(self.topic.name, "in")
-            if isinstance(outcome, QueryError):
-                self.counters.count(f"{self.topic.name}_errors")
-                query.reply_err(error_bytes(outcome), encoding=ERROR_ENCODING)
-            elif outcome is not None:
-                query.reply(self.key, outcome.payload, encoding=outcome.encoding)
-                self.counters.topic(self.topic.name, "out")
-
-    def _outcome(self, query: zenoh.Query) -> Reply | QueryError | None:
-        size = 0 if query.payload is None else len(query.payload)
-        if size > MAX_REQUEST_BYTES:
-            return QueryError("too_large", f"{size} bytes, the limit is {MAX_REQUEST_BYTES}")
-        return answer(self.handler, self._request(query))
-
-    def _request(self, query: zenoh.Query) -> Request:
-        return Request(
-            topic=self.topic,
-            key=self.key,
-            ids=self.ids,
-            wildcard=str(query.key_expr) != self.key,
-            parameters=parse_parameters(str(query.parameters)),
-            payload=b"" if query.payload is None else query.payload.to_bytes(),
-            encoding="" if query.encoding is None else str(query.encoding),
-        )
-
-
 def get(
-    session: zenoh.Session, selector: str, payload: bytes, encoding: str, timeout_s: float
+    session: zenoh.Session,
+    selector: str,
+    payload: bytes,
+    encoding: str,
+    timeout_s: float,
+    delivery: Delivery = Delivery.QUERY,
 ) -> tuple[list[tuple[str, Reply]], list[QueryError]]:
-    """Return the (key, reply) pairs and the errors that a query gets."""
+    """Return the (key, reply) pairs and the errors that a query gets, as urgent as it is."""
     replies, errors = [], []
     for result in session.get(
         selector,
@@ -245,8 +195,9 @@ def get(
         encoding=encoding or None,
         timeout=timeout_s,
         consolidation=zenoh.ConsolidationMode.NONE,
-        priority=zenoh.Priority.INTERACTIVE_HIGH,
-        express=True,
+        priority=PRIORITY[delivery],
+        express=delivery is Delivery.QUERY,
+        attachment=query_attachment(),
     ):
         if result.ok is not None:
             reply = Reply(result.ok.payload.to_bytes(), str(result.ok.encoding))
@@ -254,13 +205,6 @@ def get(
         elif result.err is not None:
             errors.append(error_from_bytes(result.err.payload.to_bytes()))
     return replies, errors
-
-
-def live_nodes(session: zenoh.Session) -> list[dict[str, str]]:
-    """Return the ids in every liveliness token, sorted and without repetition."""
-    found = session.liveliness().get(LIVE.selector(), timeout=LIVENESS_TIMEOUT_S)
-    keys = sorted({str(result.ok.key_expr) for result in found if result.ok is not None})
-    return [ids for key in keys if (ids := LIVE.ids(key)) is not None]
 
 
 def open_session(

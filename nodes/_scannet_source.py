@@ -16,14 +16,12 @@ from itertools import pairwise
 from pathlib import Path
 from typing import ClassVar
 
-import cv2
 import numpy as np
 
-from sceneq_core.arrays import Float64, UInt8
+from sceneq_core.arrays import Float64
 from sceneq_core.ingest.source import Camera
 from sceneq_core.ingest.transforms import inverse, rigid_defect
 from sceneq_nodes._camera_files import nominal_stamps_ns
-from sceneq_nodes._image_file import decode_rgb
 from sceneq_nodes._listed_files import ListedFiles
 from sceneq_nodes._matrix_file import read_matrix
 from sceneq_nodes._recorded_source import (
@@ -31,9 +29,9 @@ from sceneq_nodes._recorded_source import (
     RecordedParams,
     RecordedSource,
     Recording,
-    Size,
     usual_size,
 )
+from sceneq_nodes._resized import decode_resized, resized
 from sceneq_nodes._sens_file import SensFile
 
 CONTAINER = "*.sens"
@@ -107,12 +105,12 @@ def _recording(
         name=name,
         files=files,
         stamps_ns=stamps_ns,
-        color_camera=_resized(color, depth.size) if shrink else color,
+        color_camera=resized(color, depth.size) if shrink else color,
         depth_camera=depth,
         T_color_depth=cameras.T_color_depth,
         color_size=color.size,
         depth_size=depth.size,
-        decode_rgb=partial(_decode_resized, size=depth.size) if shrink else None,
+        decode_rgb=partial(decode_resized, size=depth.size) if shrink else None,
     )
 
 
@@ -162,16 +160,3 @@ def _intrinsics(folder: Path, part: str) -> Float64:
     if not (np.isfinite(K).all() and K[0, 0] > 0 and K[1, 1] > 0):
         raise ValueError(f"{path}: no camera matrix: {K.tolist()}")
     return K
-
-
-def _resized(camera: Camera, size: Size) -> Camera:
-    """Return the camera of the image resized; the centre of a pixel is a whole number."""
-    scale = np.array(size) / np.array(camera.size)
-    K = camera.K.copy()
-    K[:2, :2] *= scale[:, None]
-    K[:2, 2] = (camera.K[:2, 2] + 0.5) * scale - 0.5
-    return Camera(K, size)
-
-
-def _decode_resized(data: bytes, size: Size) -> UInt8:
-    return np.asarray(cv2.resize(decode_rgb(data), size, interpolation=cv2.INTER_AREA), np.uint8)

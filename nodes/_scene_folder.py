@@ -1,21 +1,26 @@
 """The durable files of one scene, looked at, checked and tidied while no node uses them."""
 
 import contextlib
+import json
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from sceneq_core.places.visit import Visit, Visits
+from sceneq_core.state import build
 from sceneq_nodes._checkpoints import Checkpoint, Checkpoints, read
 from sceneq_nodes._database import check_pages, damage_named, open_to_read
 from sceneq_nodes._folder_lock import FolderLock
 from sceneq_nodes._item_store import SCHEMA as ITEMS_SCHEMA
 from sceneq_nodes._item_store import damaged_items
 from sceneq_nodes._journal import SCHEMA as JOURNAL_SCHEMA
-from sceneq_nodes._journal import Journal
+from sceneq_nodes._journal import Entry, Journal
 from sceneq_nodes._map_store import FOLDER, JOURNAL
+from sceneq_nodes._mapped import VISITED
 from sceneq_nodes._set_aside import SUFFIX, DamageError, StoreError
+from sceneq_nodes._visit_json import visit_from_json
 
 VIEWS, FEATURES = "views.sqlite", "features-*.sqlite"
 
@@ -84,7 +89,7 @@ class SceneFolder:
         Raises:
             StoreError: in use, or nothing there can be read.
         """
-        with self._locked():
+        with self.locked():
             self._compact_map()
             for path in (self.path / VIEWS, *self._feature_files()):
                 if path.exists():
@@ -94,8 +99,36 @@ class SceneFolder:
 
     def delete(self) -> None:
         """Delete the folder with all that is in it; raise ``StoreError`` while it is in use."""
-        with self._locked():
+        with self.locked():
             shutil.rmtree(self.path)
+
+    @contextlib.contextmanager
+    def locked(self) -> Iterator[None]:
+        """Keep every writer out; raise ``StoreError`` when there is one."""
+        with contextlib.ExitStack() as held:
+            for path in self.path.rglob("*lock"):
+                held.enter_context(contextlib.closing(FolderLock(path.parent, path.name)))
+            yield
+
+    def visits(self) -> list[Visit]:
+        """Return who came into the scene; raise ``StoreError`` when that cannot be read."""
+        visits = Visits()
+        for checkpoint in self._checkpoints()[:1]:
+            with _named(checkpoint.path):
+                _, beside = build(read(checkpoint))
+                for told in json.loads(beside.get("visits", "[]")):
+                    visits.take(visit_from_json(told))
+        if self._journal_path.exists():
+            with _named(self._journal_path), contextlib.closing(self._journal()) as journal:
+                for entry in journal.of_kind(VISITED):
+                    visits.take(visit_from_json(json.loads(entry.first)))
+        return visits.all()
+
+    def entries(self) -> Iterator[Entry]:
+        """Yield all that is kept of how the map came about; raise ``StoreError`` where damaged."""
+        with _named(self._journal_path), contextlib.closing(self._journal()) as journal:
+            first, _ = journal.span()
+            yield from journal.entries(max(first - 1, 0))
 
     @property
     def _journal_path(self) -> Path:
@@ -146,18 +179,10 @@ class SceneFolder:
 
     def _is_in_use(self) -> bool:
         try:
-            with self._locked():
+            with self.locked():
                 return False
         except StoreError:
             return True
-
-    @contextlib.contextmanager
-    def _locked(self) -> Iterator[None]:
-        """Keep every writer out; raise ``StoreError`` when there is one."""
-        with contextlib.ExitStack() as held:
-            for path in self.path.rglob("*lock"):
-                held.enter_context(contextlib.closing(FolderLock(path.parent, path.name)))
-            yield
 
 
 def find(store: Path) -> list[SceneFolder]:

@@ -21,6 +21,7 @@ from sceneq_core.arrays import Float64, UInt16
 from sceneq_core.ingest.source import Camera
 from sceneq_core.ingest.transforms import rigid_defect
 from sceneq_nodes._frame_files import BadFileError, check_image
+from sceneq_nodes._image_file import MAX_PIXELS
 
 VERSION = 4
 MATRIX = struct.Struct("<16f")
@@ -102,12 +103,10 @@ class SensFile:
     def decode_depth_mm(self, data: bytes) -> UInt16:
         """Return uint16 (H, W) millimetres; raise ``ValueError`` when the bytes do not decode."""
         width, height = self.head.depth.size
-        try:
-            raw = zlib.decompress(data) if self.head.depth_is_packed else data
-        except zlib.error as error:
-            raise ValueError(f"depth does not decompress: {error}") from error
-        if len(raw) != 2 * width * height:
-            raise ValueError(f"depth has {len(raw)} bytes, expected {2 * width * height}")
+        expected = 2 * width * height
+        raw = _unpacked(data, expected) if self.head.depth_is_packed else data
+        if len(raw) != expected:
+            raise ValueError(f"depth has {len(raw)} bytes, expected {expected}")
         units = np.frombuffer(raw, "<u2").reshape(height, width)
         depth_mm = np.rint(units * (1000.0 / self.head.units_per_m))
         return np.where(depth_mm < np.iinfo(np.uint16).max, depth_mm, 0).astype(np.uint16)
@@ -137,6 +136,8 @@ def _read_head(file: BinaryIO) -> SensHead:
         raise ValueError(f"color_compression: {color}, known: {COLORS}")
     if depth not in DEPTHS:
         raise ValueError(f"depth_compression: {depth}, known: {DEPTHS}")
+    if max(color_w * color_h, depth_w * depth_h) > MAX_PIXELS:
+        raise ValueError(f"width and height: more than {MAX_PIXELS} pixels")
     if not units_per_m > 0:
         raise ValueError(f"depth_shift: expected above 0, got {units_per_m}")
     color_intrinsic, T_rig_color, depth_intrinsic, T_rig_depth = matrices
@@ -165,6 +166,14 @@ def _read_frame(file: BinaryIO, number: int, length: int) -> _FrameHead:
         raise ValueError(f"frame {number}: the file is cut off")
     file.seek(color_bytes + depth_bytes, 1)
     return frame
+
+
+def _unpacked(data: bytes, expected: int) -> bytes:
+    """Return what zlib data hold, one byte too many at most."""
+    try:
+        return zlib.decompressobj().decompress(data, expected + 1)
+    except zlib.error as error:
+        raise ValueError(f"depth does not decompress: {error}") from error
 
 
 def _matrix(data: bytes, name: str) -> Float64:

@@ -11,6 +11,8 @@ DROP_AFTER_US = 20_000
 LEASE_MS = 5_000
 """A process that stops answering loses its session, and its liveliness token, after this time."""
 QUERY_TIMEOUT_MS = 30_000
+MAX_LINKS = 4
+"""Between two routers: ``?prio=0-3`` and ``?prio=4-7`` let questions pass where frames queue."""
 
 
 def client_config(
@@ -38,11 +40,18 @@ def router_config(
         ValueError: the access rules among the credentials cannot be read.
     """
     rules = {} if credentials is None else {"access_control": credentials.access()}
+    common = _common("router", credentials)
     return {
-        **_common("router", credentials),
+        **common,
         **rules,
+        "transport": {**common["transport"], "unicast": _BETWEEN_ROUTERS},
         "listen": {"endpoints": list(listen)},
-        "connect": {"endpoints": list(connect), "timeout_ms": 0, "exit_on_failure": False},
+        "connect": {
+            "endpoints": list(connect),
+            "timeout_ms": -1,  # 0 would try once: a robot that starts first would stay alone
+            "exit_on_failure": False,
+            "retry": {"period_init_ms": 250, "period_max_ms": 1000},
+        },
     }
 
 
@@ -80,6 +89,10 @@ _LINK = {
     },
     "rx": {"buffer_size": 1024 * 1024},
 }
+
+
+_BETWEEN_ROUTERS = {"max_links": MAX_LINKS, "compression": {"enabled": True}}
+"""Compression needs both ends to want it: clients do not, so nothing on a machine is slowed."""
 
 
 def _encrypted(credentials: Credentials) -> dict[str, Any]:

@@ -19,8 +19,8 @@ class StoreError(Exception):
 class NewerSchemaError(StoreError):
     """Written by a later version of this program."""
 
-    def __init__(self, path: Path, found: int, known: int) -> None:
-        super().__init__(f"{path}: schema {found}, this version knows {known} at most")
+    def __init__(self, path: Path, found: int, known: int, what: str = "schema") -> None:
+        super().__init__(f"{path}: {what} {found}, this version knows {known} at most")
 
 
 class DamageError(Exception):

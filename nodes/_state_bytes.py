@@ -2,6 +2,8 @@
 
 import io
 import json
+import math
+import re
 import struct
 from collections.abc import Iterator
 from typing import Any
@@ -9,11 +11,14 @@ from typing import Any
 import numpy as np
 import zstandard
 
+from sceneq_core.arrays import Array
 from sceneq_core.state import State
 from sceneq_nodes._set_aside import DamageError
 
 LEVEL = 1
 MAX_STATE_BYTES = 1 << 34
+PIECE_BYTES = 1 << 24
+_DTYPE = re.compile(r"[<>|][biufSU][0-9]{1,4}")
 _LENGTH = struct.Struct("<Q")
 
 
@@ -46,19 +51,26 @@ def decoded(stream: Any) -> State:
     told = json.loads(_exactly(stream, _LENGTH.unpack(_exactly(stream, _LENGTH.size))[0]))
     arrays = []
     for dtype, shape in told["arrays"]:
-        array = np.empty(shape, np.dtype(dtype))
-        if array.nbytes:
-            array.reshape(-1).view(np.uint8)[:] = np.frombuffer(
-                _exactly(stream, array.nbytes), np.uint8
-            )
-        arrays.append(array)
+        arrays.append(_array(stream, dtype, shape))
     return State(told["parts"], arrays)
 
 
-def _exactly(stream: Any, size: int) -> bytes:
+def _array(stream: Any, name: str, shape: list[int]) -> Array:
+    if not _DTYPE.fullmatch(name) or not all(type(side) is int and side >= 0 for side in shape):
+        raise ValueError(f"no array: {name!r:.20} of shape {shape!r:.60}")
+    dtype = np.dtype(name)
+    data = _exactly(stream, math.prod(shape) * dtype.itemsize)
+    return np.frombuffer(data, dtype).reshape(shape)
+
+
+def _exactly(stream: Any, size: int) -> bytearray:
+    """Return so many bytes; what is claimed and not there is never made room for."""
     if size > MAX_STATE_BYTES:
         raise ValueError(f"{size} bytes in one piece")
-    data: bytes = stream.read(size)
-    if len(data) != size:
-        raise ValueError(f"ends {size - len(data)} bytes early")
+    data = bytearray()
+    while len(data) < size:
+        piece = stream.read(min(PIECE_BYTES, size - len(data)))
+        if not piece:
+            raise ValueError(f"ends {size - len(data)} bytes early")
+        data += piece
     return data

@@ -5,8 +5,10 @@ from dataclasses import replace
 from threading import Lock
 
 from sceneq_nodes._bus import Reply, Request
+from sceneq_nodes._changes import Changes
+from sceneq_nodes._recent_deltas import wanted_deltas
 from sceneq_nodes._wire import to_bytes
-from sceneq_schemas.topics import VIEW_SNAPSHOT
+from sceneq_schemas.topics import VIEW_JOURNAL, VIEW_SNAPSHOT
 from sceneq_schemas.view import ViewDelta, ViewSet
 
 
@@ -19,6 +21,7 @@ class ViewJournal:
     def __init__(self, epoch: int) -> None:
         self._lock = Lock()
         self._view_sets: dict[int, ViewSet] = {}
+        self._changes = Changes()
         self._last = ViewDelta(
             epoch=epoch,
             seq=0,
@@ -43,6 +46,7 @@ class ViewJournal:
         """Go on with the view sets of an earlier run, which wrote no delta beyond ``seq``."""
         with self._lock:
             self._view_sets = {one.instance_id: one for one in view_sets}
+            self._changes = Changes(seq)
             self._last = replace(
                 self._last,
                 seq=seq,
@@ -79,6 +83,8 @@ class ViewJournal:
             self._last = replace(before, seq=before.seq + 1, full=False, view_sets=sets, **where)
             if self._last.map_epoch != before.map_epoch:
                 self._last = replace(self._last, full=True, view_sets=self._every())
+                self._changes = Changes(self._last.seq)
+            self._changes.note(self._last.seq, (one.instance_id for one in sets))
             return self._last
 
     def snapshot(self) -> ViewDelta:
@@ -89,6 +95,17 @@ class ViewJournal:
     def answer(self, request: Request) -> Reply:
         """Answer a request for the snapshot."""
         return Reply(to_bytes(VIEW_SNAPSHOT, self.snapshot()), VIEW_SNAPSHOT.encoding)
+
+    def answer_changes(self, request: Request) -> Reply | None:
+        """Answer with what changed after a delta, or with nothing when that is not known."""
+        epoch, after = wanted_deltas(request)
+        with self._lock:
+            ids = self._changes.after(after)
+            if epoch != self._last.epoch or ids is None:
+                return None
+            sets = tuple(self._view_sets.get(i, ViewSet(i, ())) for i in ids)
+            changed = replace(self._last, full=False, view_sets=sets)
+        return Reply(to_bytes(VIEW_JOURNAL, changed), VIEW_JOURNAL.encoding)
 
     def _every(self) -> tuple[ViewSet, ...]:
         return tuple(self._view_sets[i] for i in sorted(self._view_sets))

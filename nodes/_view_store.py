@@ -27,10 +27,16 @@ log = logging.getLogger(__name__)
 FILE = "views.sqlite"
 KEYFRAME, VIEWS, PLACES = "keyframe", "views", "places"
 MAP, DELTA, REST = "map", "delta", "rest"
+FORM = 1
+"""To be raised with every change of what the items hold."""
 DELTAS = 32
 """So many changes of the map are kept before it is written whole again."""
 MAX_DELTA_BYTES = 1 << 28
 _ZIP, _UNZIP = zstandard.ZstdCompressor(1), zstandard.ZstdDecompressor()
+
+
+READING = (DamageError, StateError, KeyError, TypeError, ValueError, zstandard.ZstdError)
+"""How reading fails what is damaged or another version's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +72,7 @@ class ViewStore:
         self._places = self._deltas = 0
         self._new_deltas: list[Item] = []
         self._needs_map = False
-        self._items = ItemStore(scene_folder / FILE, self._everything, count)
+        self._items = ItemStore(scene_folder / FILE, self._everything, count, FORM)
 
     @property
     def is_behind(self) -> bool:
@@ -77,8 +83,8 @@ class ViewStore:
         """Bring the selector to where the last run ended; return what lay beside, {} if nothing."""
         try:
             kept = self._read()
-        except (DamageError, StateError, KeyError, ValueError, zstandard.ZstdError) as error:
-            self._items.start_anew(str(error))
+        except READING as error:
+            self._items.start_anew(_reason(error))
             return {}
         if kept is None:
             return {}
@@ -168,7 +174,19 @@ class ViewStore:
         keyframes = {n: build(unpacked(d)) for (kind, n), d in items.items() if kind == KEYFRAME}
         places = np.concatenate(coords)
         sets = [ViewSet(n, build(unpacked(d))) for (kind, n), d in items.items() if kind == VIEWS]
+        self._check_known(rest["selector"], replica)
         return Kept(keyframes, places, replica, sets, rest["selector"], rest["beside"])
+
+    def _check_known(self, selector: Mapping[str, Any], replica: MapReplica) -> None:
+        """Refuse what another version kept: the selector would fail with it half-way."""
+        for name, kept, now in (
+            ("selector", selector, self._selector.parts()),
+            ("archive", selector.get("archive", {}), self._selector.archive.parts()),
+            ("map", vars(replica), vars(MapReplica())),
+        ):
+            if differing := kept.keys() ^ now.keys():
+                told = ", ".join(sorted(map(str, differing)))
+                raise DamageError(f"kept by another version: its {name} differs in {told}")
 
 
 def open_view_store(
@@ -190,6 +208,10 @@ def open_view_store(
         count("store_failed")
         log.error("%s; views are kept in memory only", error)
         return None
+
+
+def _reason(error: Exception) -> str:
+    return f"{error} is missing" if isinstance(error, KeyError) else str(error)
 
 
 def _keyframe_item(keyframe: Keyframe) -> Item:

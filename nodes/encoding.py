@@ -3,7 +3,8 @@
 Reads   sceneq/view/<scene>/delta/v1 (state, healed from its snapshot); pictures of keyframes from
         sceneq/view/<scene>/@image/v1.
 Writes  sceneq/feat/<scene>/<model>/delta/v1, one instance at a time: epoch = start time in ms.
-Serves  sceneq/feat/<scene>/<model>/@snapshot/v1: all descriptors as one message.
+Serves  sceneq/feat/<scene>/<model>/@snapshot/v1: all descriptors as one message;
+        .../@journal/v1?epoch=E;after=SEQ: what changed since.
 Rate    as fast as the encoder, at lower priority than the mapping: first every instance by its
         best view, then by all. At most one view set waits for each instance, the latest; the
         last descriptor depends on the last view set only.
@@ -35,9 +36,17 @@ from sceneq_nodes._feature_store import digest_of, open_feature_store
 from sceneq_nodes._follow import Follower
 from sceneq_nodes._keyframes import Keyframes, UnreachableError
 from sceneq_nodes._look_ahead import LookAhead
+from sceneq_nodes._pages import paged
 from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.feature import Descriptor
-from sceneq_schemas.topics import FEATURE_DELTA, FEATURE_SNAPSHOT, VIEW_DELTA, VIEW_SNAPSHOT
+from sceneq_schemas.topics import (
+    FEATURE_DELTA,
+    FEATURE_JOURNAL,
+    FEATURE_SNAPSHOT,
+    VIEW_DELTA,
+    VIEW_JOURNAL,
+    VIEW_SNAPSHOT,
+)
 from sceneq_schemas.view import ViewDelta
 from sceneq_schemas.view import ViewSet as ViewSetMessage
 
@@ -103,9 +112,12 @@ class Encoding:
         self._store = open_feature_store(self._context.store, self._model, bus.count)
         kept = self._store.resume() if self._store else {}
         self._begin_run(kept)
-        bus.serve(FEATURE_SNAPSHOT, self._journal.answer, scene=scene, model=self._model)
+        bus.serve(FEATURE_SNAPSHOT, paged(self._journal.answer), scene=scene, model=self._model)
+        changes = paged(self._journal.answer_changes)
+        bus.serve(FEATURE_JOURNAL, changes, scene=scene, model=self._model)
         self._views = Follower(
             *(bus, VIEW_DELTA, VIEW_SNAPSHOT, self._follow),
+            journal_topic=VIEW_JOURNAL,
             have=(kept["view_epoch"], 0) if kept.get("view_epoch") else None,
             scene=scene,
         )
@@ -238,6 +250,7 @@ class Encoding:
             made_of = {one.instance_id: self._made_of[one.instance_id] for one in changed}
             self._store.keep(delta, made_of, self._beside())
         self._bus.publish(FEATURE_DELTA, delta, scene=self._context.scene, model=self._model)
+        self._bus.report(features=f"{delta.epoch}:{delta.seq}")
 
     def _beside(self) -> dict[str, Any]:
         """Return what is to come back after the process has ended, beside the descriptors."""

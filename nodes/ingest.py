@@ -4,10 +4,12 @@ Reads   a source; sceneq/view/<scene>/delta/v1 when lossless: its ``frame_seq`` 
 Writes  sceneq/pose/<robot>/v1 for every frame, sceneq/frame/<robot>/<sensor>/v1 for keyframes,
         sceneq/pose/<robot>/correction/v1 when odometry closes a loop: earlier poses were wrong.
 Serves  sceneq/ctl/<node>/{list,move,remove,add,look}: what a simulated source lets one change.
-Rate    ``rate_hz`` frames a second, late ones at once (``frames_late``), latest wins; or, without
-        a rate, as fast as the graph takes it: at most ``window`` keyframes are on their way, an
-        unacknowledged one is sent again (``frames_resent``), in the end given up (``frames_lost``).
+Rate    ``rate_hz`` frames a second, late ones at once (``frames_late``), latest wins, of a robot
+        all of them as they come; or, without a rate, as fast as the graph takes it: at most
+        ``window`` keyframes are on their way, an unacknowledged one is sent again
+        (``frames_resent``), in the end given up (``frames_lost``).
         When mapping or views start again while it plays, so does the source (``replays``).
+        In a scene with a map keyframes are held until it is known where they are (_arrival).
 Bad     a source that cannot be opened ends the process with code 2; a bad frame is skipped, logged
         with file and reason and counted (``frames_skipped``; ``tracking_lost`` of those for want
         of a pose).
@@ -23,7 +25,8 @@ import numpy as np
 
 from sceneq_core.ingest.ingestor import Ingested
 from sceneq_core.ingest.pose_graph import PoseGraphParams
-from sceneq_core.ingest.source import RawFrame, Skipped
+from sceneq_core.ingest.source import RawFrame, Skipped, Waiting
+from sceneq_nodes._arrival import Arrival, ArrivalParams
 from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
 from sceneq_nodes._epoch import new_epoch
 from sceneq_nodes._images import frame_message
@@ -42,7 +45,7 @@ BURST_S = 0.05
 """Work on frames that long, then look at the inbox and the stop signal again."""
 ALIVE_POLL_S = 0.2
 RGB_CODECS = ("raw", "jpeg")
-DEPTH_CODECS = ("raw", "zstd")
+DEPTH_CODECS = ("raw", "zstd", "delta")
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +57,8 @@ class IngestParams:
     their way (more than segmentation's ``inbox`` holds would be dropped and come late), and the
     silence of the graph after which one is sent again, ``tries`` times in all; ``replays``: how
     often the source starts again for readers that did, for a frame may be what ends them.
+    ``arrival``: what to do in a scene that has a map already. ``robot``: who this is, where that is
+    not the graph's own robot.
     """
 
     source: dict[str, Any]
@@ -67,6 +72,8 @@ class IngestParams:
     resend_s: float = 2.0
     tries: int = 5
     replays: int = 3
+    arrival: ArrivalParams = field(default_factory=ArrivalParams)
+    robot: str | None = None
     wait_for: tuple[str, ...] = ("segmentation", "mapping", "views")
     wait_s: float = 20.0
 
@@ -76,7 +83,7 @@ class IngestParams:
         if self.rgb_codec not in RGB_CODECS:
             raise ValueError(f"rgb_codec: expected raw or jpeg, got {self.rgb_codec!r}")
         if self.depth_codec not in DEPTH_CODECS:
-            raise ValueError(f"depth_codec: expected raw or zstd, got {self.depth_codec!r}")
+            raise ValueError(f"depth_codec: expected raw, zstd or delta, got {self.depth_codec!r}")
         for name in ("window", "tries", "resend_s"):
             if not getattr(self, name) > 0:
                 raise ValueError(f"{name}: expected more than 0, got {getattr(self, name)}")
@@ -92,7 +99,7 @@ class Ingest:
 
     def __init__(self, params: IngestParams, context: Context) -> None:
         self._params = params
-        self._context = context
+        self._context = replace(context, robot=params.robot) if params.robot else context
         self._pacer = Pacer(params.rate_hz) if params.rate_hz else None
         self._readers: tuple[int, int] | None = None
         self._frames = self._keyframes = self._replays = 0
@@ -108,6 +115,10 @@ class Ingest:
             params.source, params.keyframes, params.odometry, params.pose_graph
         )
         self._source = open_source(self._specs)
+        connect = getattr(self._source, "connect", None)
+        self._is_live = connect is not None
+        if connect is not None:
+            connect(bus)
         self._rewind()
         for verb in VERBS:
             bus.serve(CONTROL, self._control, node=self._context.node, verb=verb)
@@ -126,21 +137,31 @@ class Ingest:
         self._resend(now_s)
         if self._state == "waiting" and self._graph_is_there(now_s):
             self._report("playing")
+        if self._arrival.idle() and self._state in ("ending", "finished"):
+            self._report("playing")
         burst_end_s = now_s + BURST_S
         while self._state == "playing" and self._is_due(now_s) and now_s < burst_end_s:
-            self._play(now_s)
+            if not self._play(now_s):
+                break
             now_s = time.monotonic()
         if self._state == "ending" and not len(self._window):
             self._report("finished")
             log.info("finished: %d frames, %d keyframes", self._frames, self._keyframes)
 
     def close(self) -> None:
-        """Nothing to release."""
+        """Let go of keyframes that wait for their place, and of a camera."""
+        self._arrival.close()
+        close = getattr(self._source, "close", None)
+        if close is not None:
+            close()
 
     def _rewind(self) -> None:
         params = self._params
-        self._ingestor = new_ingestor(self._source, self._specs)
-        self._raw: Iterator[RawFrame | Skipped] = self._source.frames()
+        # A live source knows its cameras from the first frame on.
+        self._ingestor = None if self._is_live else new_ingestor(self._source, self._specs)
+        self._raw: Iterator[RawFrame | Skipped | Waiting] = self._source.frames()
+        paced = self._pacer is not None
+        self._arrival = Arrival(params.arrival, self._bus, self._context, paced=paced)
         self._window: Window[Frame] = Window(params.window, params.resend_s, params.tries)
         self._frames = self._keyframes = 0
         self._last_seq = -1
@@ -159,6 +180,7 @@ class Ingest:
             log.warning("mapping or views have started again, and so does the source")
             self._replays += 1
             self._bus.count("replays")
+            self._arrival.close()
             self._rewind()
             self._report("playing")
 
@@ -166,24 +188,36 @@ class Ingest:
         return control(self._source, request)
 
     def _is_due(self, now_s: float) -> bool:
-        return self._pacer.is_due(now_s) if self._pacer else self._window.has_room()
+        if self._pacer is None:
+            return self._window.has_room()
+        return self._is_live or self._pacer.is_due(now_s)
 
-    def _play(self, now_s: float) -> None:
-        """Read the next source frame and publish what it gives."""
+    def _play(self, now_s: float) -> bool:
+        """Read the next source frame and publish what it gives; tell whether there was one."""
+        if (held := self._arrival.next()) is not None:
+            self._publish(held)
+            return True
         raw = next(self._raw, None)
-        if raw is None:
+        if raw is None and not self._arrival.is_releasing:
             self._report("ending")
-            return
-        if self._pacer and self._pacer.take(now_s):
+        if raw is None or isinstance(raw, Waiting):
+            return False
+        if self._pacer and not self._is_live and self._pacer.take(now_s):
             self._bus.count("frames_late")
-        result = raw if isinstance(raw, Skipped) else self._ingestor.ingest(raw)
+        result = raw if isinstance(raw, Skipped) else self._ingest(raw)
         if isinstance(result, Skipped):
             log.warning("frame %d skipped: %s: %s", result.seq, result.where, result.reason)
             self._bus.count("frames_skipped")
             if result.where == self._params.odometry["kind"]:
                 self._bus.count("tracking_lost")
-        else:
-            self._publish(result)
+        elif (frame := self._arrival.take(result)) is not None:
+            self._publish(frame)
+        return True
+
+    def _ingest(self, raw: RawFrame) -> Ingested | Skipped:
+        if self._ingestor is None:
+            self._ingestor = new_ingestor(self._source, self._specs)
+        return self._ingestor.ingest(raw)
 
     def _publish(self, frame: Ingested) -> None:
         self._frames += 1

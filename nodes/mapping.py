@@ -7,7 +7,8 @@ Writes  sceneq/map/<scene>/delta/v1 after every keyframe: epoch = when the map w
         seq from 1, with a leap at every start. With a store (docs/durability.md) what entered the
         map is on disk before its delta is sent, and the map goes on where the last process ended.
 Serves  sceneq/map/<scene>/@snapshot/v1: the whole map as one message;
-        sceneq/map/<scene>/@journal/v1?epoch=E;after=SEQ: the last deltas, one by one.
+        sceneq/map/<scene>/@journal/v1?epoch=E;after=SEQ: the last deltas, one by one, or with
+        ;merged=1 as one change; @places/v1 and sceneq/visit/<scene>: see _visit_desk.
 Rate    that of the keyframes; they are integrated in the order in which they become complete,
         or that of ``after`` where ingest names it: a frame that comes again is not overtaken.
 Bad     a frame without its segments (or the reverse) waits until ``max_waiting`` newer ones came,
@@ -25,6 +26,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -42,16 +44,18 @@ from sceneq_nodes._mapped import (
     KEYFRAME,
     PROPOSED,
     REFUSED,
+    VISITED,
     Mapped,
     refused_bytes,
 )
-from sceneq_nodes._recent_deltas import RecentDeltas, wanted_deltas
+from sceneq_nodes._pages import paged
+from sceneq_nodes._recent_deltas import RecentDeltas, journal_reply, wanted_deltas
 from sceneq_nodes._store_params import StoreParams
+from sceneq_nodes._visit_desk import VisitDesk
 from sceneq_nodes._wire import to_bytes
 from sceneq_schemas.codec import encode
 from sceneq_schemas.correction import PoseCorrection
 from sceneq_schemas.frame import Frame
-from sceneq_schemas.map import MapDeltas
 from sceneq_schemas.mask import Masks
 from sceneq_schemas.proposal import ProposalSet
 from sceneq_schemas.topics import (
@@ -74,12 +78,14 @@ CORRECTIONS_DEPTH = 8
 class MappingParams:
     """``max_waiting`` frames, and as many masks, wait for their other half.
 
-    ``proposals``: kind and parameters of where external 3D masks come from.
+    ``proposals``: kind and parameters of where external 3D masks come from. ``robots``: whose
+    frames enter the map beside those of the graph's own robot.
     """
 
     mapper: MapperParams = field(default_factory=MapperParams)
     max_waiting: int = 16
     proposals: dict[str, Any] = field(default_factory=lambda: {"kind": "none"})
+    robots: tuple[str, ...] = ()
     store: StoreParams = field(default_factory=StoreParams)
 
     def __post_init__(self) -> None:
@@ -113,12 +119,15 @@ class Mapping:
         if (given := source.load()) is not None:
             self._take_given(given)
         context, depth = self._context, self._params.max_waiting
-        bus.subscribe(FRAME, depth=depth, robot=context.robot, sensor=context.sensor)
+        for robot in (context.robot, *self._params.robots):
+            bus.subscribe(FRAME, depth=depth, robot=robot, sensor=context.sensor)
+            bus.subscribe(POSE_CORRECTION, depth=CORRECTIONS_DEPTH, robot=robot)
         bus.subscribe(MASK, depth=depth, scene=context.scene)
-        bus.subscribe(POSE_CORRECTION, depth=CORRECTIONS_DEPTH, robot=context.robot)
         bus.subscribe(PROPOSAL, depth=1, scene=context.scene)
-        bus.serve(MAP_SNAPSHOT, self._snapshot, scene=context.scene)
-        bus.serve(MAP_JOURNAL, self._journal, scene=context.scene)
+        bus.serve(MAP_SNAPSHOT, paged(self._snapshot), scene=context.scene)
+        bus.serve(MAP_JOURNAL, paged(self._journal), scene=context.scene)
+        keep = partial(self._store.keep, self._seq, VISITED)
+        VisitDesk(self._mapped, self._lock, keep).open(bus, self._epoch, context.scene)
         self._report()
 
     def step(self, received: Received | None) -> None:
@@ -261,6 +270,7 @@ class Mapping:
             except ValueError as error:  # too large: the gap in seq sends readers to the snapshot
                 self._bus.count("deltas_unsent")
                 log.warning("map %d:%d not sent: %s", self._epoch, self._seq, error)
+        self._bus.report(map=f"{self._epoch}:{self._seq}")
 
     def _drop_oldest(self, half: OrderedDict[int, Any]) -> None:
         if len(half) > self._params.max_waiting:
@@ -282,8 +292,7 @@ class Mapping:
             deltas, seq = self._recent.after(after), self._seq
         if epoch not in (0, self._epoch) or deltas is None:
             return None
-        message = MapDeltas(self._epoch, seq, deltas)
-        return Reply(to_bytes(MAP_JOURNAL, message), MAP_JOURNAL.encoding)
+        return journal_reply(request, self._epoch, seq, deltas)
 
     def _warn_once(self, kind: str, message: str, *values: Any) -> None:
         if kind not in self._reasons:

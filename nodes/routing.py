@@ -42,7 +42,7 @@ from sceneq_nodes._name_keeper import NameKeeper
 from sceneq_nodes._new_router import new_router
 from sceneq_nodes._purse import Purse
 from sceneq_nodes._routing_params import RoutingParams
-from sceneq_nodes._scene_input import is_finite, view_refs
+from sceneq_nodes._scene_input import is_id, is_usable, view_refs
 from sceneq_nodes._space import Space, in_background
 from sceneq_nodes._teaching_desk import TeachingDesk
 from sceneq_schemas import topics
@@ -173,10 +173,14 @@ class Routing:
         scene, bus = self._context.scene, self._bus
         self._followers = {
             _place(topics.MAP_DELTA): Follower(
-                bus, topics.MAP_DELTA, topics.MAP_SNAPSHOT, self._apply_map, scene=scene
+                *(bus, topics.MAP_DELTA, topics.MAP_SNAPSHOT, self._apply_map),
+                journal_topic=topics.MAP_JOURNAL,
+                scene=scene,
             ),
             _place(topics.VIEW_DELTA): Follower(
-                bus, topics.VIEW_DELTA, topics.VIEW_SNAPSHOT, self._apply_views, scene=scene
+                *(bus, topics.VIEW_DELTA, topics.VIEW_SNAPSHOT, self._apply_views),
+                journal_topic=topics.VIEW_JOURNAL,
+                scene=scene,
             ),
         }
         place = _place(topics.FEATURE_DELTA, self._space.model)
@@ -189,6 +193,7 @@ class Routing:
         return Follower(
             *(self._bus, topics.FEATURE_DELTA, topics.FEATURE_SNAPSHOT),
             partial(self._apply_features, space),
+            journal_topic=topics.FEATURE_JOURNAL,
             scene=self._context.scene,
             model=space.model,
         )
@@ -218,13 +223,15 @@ class Routing:
             return
         looks = {}
         for one in message.descriptors:
-            if space.scene.accepts(one.descriptor) and np.isfinite(one.feature).all():
+            fits = space.scene.accepts(one.descriptor) and np.isfinite(one.feature).all()
+            if fits and is_id(one.instance_id):
                 looks[one.instance_id] = (one.descriptor, one.feature)
             else:
                 self._refuse("descriptors_refused", f"descriptor of instance {one.instance_id}")
         descriptors = {instance_id: descriptor for instance_id, (descriptor, _) in looks.items()}
-        space.album.put(message.map_epoch, looks, message.removed.tolist())
-        space.scene.apply_descriptors(message.map_epoch, descriptors, message.removed)
+        removed = np.array([key for key in message.removed.tolist() if is_id(key)], np.int32)
+        space.album.put(message.map_epoch, looks, removed.tolist())
+        space.scene.apply_descriptors(message.map_epoch, descriptors, removed)
         self._swap(self._space.look.map_arrived_s)
 
     def _move(self, pose: Pose) -> None:
@@ -236,9 +243,9 @@ class Routing:
             self._refuse("poses_refused", f"pose of frame {pose.seq} is not finite")
 
     def _usable(self, instance: Instance) -> bool:
-        usable = is_finite(instance)
+        usable = is_usable(instance)
         if not usable:
-            self._refuse("instances_refused", f"instance {instance.instance_id} is not finite")
+            self._refuse("instances_refused", f"instance {instance.instance_id} has no place")
         return usable
 
     def _refuse(self, counter: str, what: str) -> None:

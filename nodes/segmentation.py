@@ -30,10 +30,14 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class SegmentationParams:
-    """``segmenter``: kind and parameters of the backend; ``inbox``: frames kept when behind."""
+    """``segmenter``: kind and parameters of the backend; ``inbox``: frames kept when behind.
+
+    ``robots``: whose frames are cut beside those of the graph's own robot.
+    """
 
     segmenter: dict[str, Any] = field(default_factory=lambda: {"kind": "rgbd"})
     inbox: int = 4
+    robots: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.inbox < 1:
@@ -54,8 +58,9 @@ class Segmentation:
         """Build the segmenter and listen to the sensor's frames."""
         self._bus = bus
         self._segmenter: Segmenter = build("segmenter", self._params.segmenter, ("segmenter",))
-        context = self._context
-        bus.subscribe(FRAME, depth=self._params.inbox, robot=context.robot, sensor=context.sensor)
+        context, depth = self._context, self._params.inbox
+        for robot in (context.robot, *self._params.robots):
+            bus.subscribe(FRAME, depth=depth, robot=robot, sensor=context.sensor)
 
     def step(self, received: Received | None) -> None:
         """Answer a frame with its masks."""

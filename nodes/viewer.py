@@ -108,7 +108,9 @@ class Viewer:
             known = {name: ids[name] for name in topic.id_names if name in ids}
             bus.subscribe(topic, depth=depth, **known)
         self._map = Follower(
-            bus, topics.MAP_DELTA, topics.MAP_SNAPSHOT, self._follow, scene=context.scene
+            *(bus, topics.MAP_DELTA, topics.MAP_SNAPSHOT, self._follow),
+            journal_topic=topics.MAP_JOURNAL,
+            scene=context.scene,
         )
         self._map.open()
         if self._params.output.serves:

@@ -4,7 +4,8 @@ Reads   frames and map deltas, joined by ``seq``: a keyframe is looked at once t
 Writes  one view delta per keyframe looked at, also when no view set changed: it tells ingest how
         far the graph has come. A keyframe sent again is acknowledged again. The first delta after
         a restart of the map is full: ids mean other things from there on.
-Serves  sceneq/view/<scene>/@snapshot/v1 and @image/v1 (JPEG of a keyframe, ``?seq=``, ``;box=``).
+Serves  sceneq/view/<scene>/@snapshot/v1, @journal/v1?epoch=E;after=SEQ (what changed since), and
+        @image/v1 (JPEG of a keyframe, ``?seq=``, ``;box=``).
 Rate    as the map changes, about 3 Hz; STATE delivery, gaps are healed from the snapshot.
 Bad     frames that the map never takes in are let go (``frames_unmatched``), frames that do not
         decode are acknowledged and skipped (``frames_bad``), like those that the map keeps out
@@ -21,12 +22,14 @@ from typing import Any, ClassVar
 from sceneq_core.views.archive import ArchiveParams
 from sceneq_core.views.choice import ChoiceParams
 from sceneq_core.views.selector import ViewParams, ViewSelector
+from sceneq_core.visits import is_same_visit
 from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
 from sceneq_nodes._convert import map_delta_from_message, view_set_message
 from sceneq_nodes._epoch import first_seq, new_epoch
 from sceneq_nodes._follow import Follower
 from sceneq_nodes._images import frame_from_message
-from sceneq_nodes._order import may_come
+from sceneq_nodes._order import may_come, says_nothing
+from sceneq_nodes._pages import paged
 from sceneq_nodes._view_image import answer_image
 from sceneq_nodes._view_journal import ViewJournal
 from sceneq_nodes._view_store import open_view_store
@@ -40,6 +43,7 @@ from sceneq_schemas.topics import (
     MAP_SNAPSHOT,
     VIEW_DELTA,
     VIEW_IMAGE,
+    VIEW_JOURNAL,
     VIEW_SNAPSHOT,
 )
 
@@ -62,6 +66,7 @@ class ViewsParams:
     choice: ChoiceParams = field(default_factory=ChoiceParams)
     archive: ArchiveParams = field(default_factory=ArchiveParams)
     waiting: int = 40
+    robots: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.waiting < 1:
@@ -95,12 +100,15 @@ class Views:
         self._map = Follower(
             *(bus, MAP_DELTA, MAP_SNAPSHOT, self._follow),
             journal_topic=MAP_JOURNAL,
+            merged=False,
             have=(self._map_epoch, self._map_seq) if self._store else None,
             scene=context.scene,
         )
         self._begin_run(kept)
-        bus.subscribe(FRAME, depth=self._params.waiting, robot=context.robot, sensor=context.sensor)
-        bus.serve(VIEW_SNAPSHOT, self._journal.answer, scene=context.scene)
+        for robot in (context.robot, *self._params.robots):
+            bus.subscribe(FRAME, depth=self._params.waiting, robot=robot, sensor=context.sensor)
+        bus.serve(VIEW_SNAPSHOT, paged(self._journal.answer), scene=context.scene)
+        bus.serve(VIEW_JOURNAL, paged(self._journal.answer_changes), scene=context.scene)
         bus.serve(VIEW_IMAGE, self._answer_image, scene=context.scene)
         self._map.open()
 
@@ -189,11 +197,10 @@ class Views:
             self._join()
 
     def _is_missing(self, delta: MapDelta) -> bool:
-        is_other_map = self._map_epoch not in (0, delta.epoch)
-        if delta.full or is_other_map or not self._is_lossless:
+        told = delta.frame_seq in self._mapped and says_nothing(delta)
+        if delta.full or told or self._map_epoch not in (0, delta.epoch) or not self._is_lossless:
             return False
-        known = [seq for seq, _ in self._observed]
-        newest = max(known, default=-1)
+        newest = max(self._known_of(delta.frame_seq), default=-1)
         return delta.frame_seq > newest and delta.frame_seq not in self._waiting
 
     def _take_over(self, delta: MapDelta) -> None:
@@ -211,8 +218,8 @@ class Views:
             self._observed.clear()  # to be acknowledged only when the new map holds them
         if delta.quarantined:
             self._quarantined.append(delta.frame_seq)
-        several = delta.full and delta.seq > 1
-        older = [seq for seq in self._waiting if several and seq < delta.frame_seq]
+        newest = delta.frame_seq if delta.full and delta.seq > 1 else -1
+        older = [seq for seq in self._waiting if seq < newest and is_same_visit(seq, newest)]
         self._mapped.extend((*older, delta.frame_seq))
         self._map_epoch, self._map_seq = delta.epoch, delta.seq
 
@@ -235,11 +242,14 @@ class Views:
 
     def _join(self) -> None:
         """Look at the keyframes that the map holds, none before the one it is to come after."""
-        known = [seq for seq, _ in self._observed]
         for seq in sorted(self._waiting.keys() & set(self._mapped)):
+            known = self._known_of(seq)
             if may_come(self._waiting[seq], known, min(known, default=None)):
                 self._observe(self._waiting.pop(seq))
-                known.append(seq)
+
+    def _known_of(self, frame_seq: int) -> list[int]:
+        """Return the frames looked at that are of the same visit as ``frame_seq``."""
+        return [seq for seq, _ in self._observed if is_same_visit(seq, frame_seq)]
 
     def _observe(self, message: Frame) -> None:
         if message.seq in self._quarantined:
@@ -279,6 +289,7 @@ class Views:
     def _report(self) -> None:
         archive = self._selector.archive
         self._bus.report(
+            views=f"{self._journal.epoch}:{self._journal.seq}",
             instances_with_views=len(self._selector.view_sets()),
             keyframes=len(archive),
             keyframes_dropped_unused=archive.dropped_unused,

@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 
 from sceneq_core.arrays import Array
 
-OWN = re.compile(r"(sceneq_core\.(?:frame|(?:mapping|views)\.\w+)):(\w+)")
+OWN = re.compile(r"(sceneq_core\.(?:frame|ingest\.depth_view|(?:mapping|places|views)\.\w+)):(\w+)")
 """The classes that a state may hold, as ``module:name``."""
 PLAIN = (bool, int, float, str, type(None))
 NUMBERS = "biuf"

@@ -10,8 +10,10 @@ from sceneq_schemas.arrays import Array, ArraySpec
 class ImageData:
     """An image as bytes.
 
-    ``codec`` is ``raw`` (little-endian pixels in C order), ``jpeg`` (colour) or ``zstd`` (raw,
-    compressed). ``dtype`` is ``|u1`` or ``<u2``; ``shape`` is (H, W) or (H, W, 3).
+    ``codec`` is ``raw`` (little-endian pixels in C order), ``jpeg`` (colour), ``zstd`` (raw,
+    compressed) or ``delta`` (depth: with ``d`` each pixel less its left neighbour modulo 2^16, the
+    low bytes of ``2d ^ -(d >> 15)`` of all pixels, then the high ones, compressed). ``dtype``
+    is ``|u1`` or ``<u2``; ``shape`` is (H, W) or (H, W, 3).
     """
 
     codec: str

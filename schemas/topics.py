@@ -10,6 +10,7 @@ from sceneq_schemas.frame import Frame, Pose
 from sceneq_schemas.label import LabelDelta
 from sceneq_schemas.map import MapDelta, MapDeltas
 from sceneq_schemas.mask import Masks
+from sceneq_schemas.place import PlaceSet
 from sceneq_schemas.proposal import ProposalSet
 from sceneq_schemas.view import ViewDelta
 
@@ -25,6 +26,7 @@ class Delivery(Enum):
     LATEST = "latest wins: dropped when the reader is slow, the newest are kept"
     STATE = "epoch and seq in every message: a gap is seen and healed from the snapshot"
     QUERY = "request and reply, interactive priority, express"
+    BULK = "request and reply of much data, in pages if asked so, at the priority of frames"
     BACKGROUND = "small and periodic, lowest priority"
     LIVELINESS = "token that exists as long as the process"
 
@@ -99,6 +101,7 @@ class _Wild(dict[str, str]):
 
 
 _L, _S, _Q, _B = Delivery.LATEST, Delivery.STATE, Delivery.QUERY, Delivery.BACKGROUND
+_P = Delivery.BULK
 
 FRAME = Topic("frame", "sceneq/frame/{robot}/{sensor}/v1", "ingest", _L, 3, 32 * MIB, Frame)
 POSE = Topic("pose", "sceneq/pose/{robot}/v1", "ingest", _L, 30, 4096, Pose)
@@ -111,19 +114,24 @@ PROPOSAL = Topic(
 )
 MAP_DELTA = Topic("map_delta", "sceneq/map/{scene}/delta/v1", "mapping", _S, 3, 64 * MIB, MapDelta)
 MAP_SNAPSHOT = Topic(
-    "map_snapshot", "sceneq/map/{scene}/@snapshot/v1", "mapping", _Q, 0, 256 * MIB, MapDelta
+    "map_snapshot", "sceneq/map/{scene}/@snapshot/v1", "mapping", _P, 0, 256 * MIB, MapDelta
 )
 MAP_JOURNAL = Topic(
-    "map_journal", "sceneq/map/{scene}/@journal/v1", "mapping", _Q, 0, 256 * MIB, MapDeltas
+    "map_journal", "sceneq/map/{scene}/@journal/v1", "mapping", _P, 0, 256 * MIB, MapDeltas
 )
+PLACES = Topic("places", "sceneq/map/{scene}/@places/v1", "mapping", _P, 0, 128 * MIB, PlaceSet)
+VISIT = Topic("visit", "sceneq/visit/{scene}", "mapping", _Q, 0, 64 * 1024)
 VIEW_DELTA = Topic(
     "view_delta", "sceneq/view/{scene}/delta/v1", "views", _S, 3, 32 * MIB, ViewDelta
 )
 VIEW_SNAPSHOT = Topic(
-    "view_snapshot", "sceneq/view/{scene}/@snapshot/v1", "views", _Q, 0, 64 * MIB, ViewDelta
+    "view_snapshot", "sceneq/view/{scene}/@snapshot/v1", "views", _P, 0, 64 * MIB, ViewDelta
+)
+VIEW_JOURNAL = Topic(
+    "view_journal", "sceneq/view/{scene}/@journal/v1", "views", _P, 0, 64 * MIB, ViewDelta
 )
 VIEW_IMAGE = Topic(
-    "view_image", "sceneq/view/{scene}/@image/v1", "views", _Q, 0, 8 * MIB, media_type="image/jpeg"
+    "view_image", "sceneq/view/{scene}/@image/v1", "views", _P, 0, 8 * MIB, media_type="image/jpeg"
 )
 FEATURE_DELTA = Topic(
     "feature_delta",
@@ -138,7 +146,16 @@ FEATURE_SNAPSHOT = Topic(
     "feature_snapshot",
     "sceneq/feat/{scene}/{model}/@snapshot/v1",
     "encoding",
-    _Q,
+    _P,
+    0,
+    64 * MIB,
+    FeatureDelta,
+)
+FEATURE_JOURNAL = Topic(
+    "feature_journal",
+    "sceneq/feat/{scene}/{model}/@journal/v1",
+    "encoding",
+    _P,
     0,
     64 * MIB,
     FeatureDelta,
@@ -147,7 +164,7 @@ LABEL_DELTA = Topic(
     "label_delta", "sceneq/label/{scene}/delta/v1", "routing", _S, 2, 32 * MIB, LabelDelta
 )
 LABEL_SNAPSHOT = Topic(
-    "label_snapshot", "sceneq/label/{scene}/@snapshot/v1", "routing", _Q, 0, 64 * MIB, LabelDelta
+    "label_snapshot", "sceneq/label/{scene}/@snapshot/v1", "routing", _P, 0, 64 * MIB, LabelDelta
 )
 REASON = Topic("reason", "sceneq/reason/{scene}/v1", "reasoning", _Q, 0, MIB)
 QUERY_INSTANCES = Topic("answer", "sceneq/query/{scene}/instances", "routing", _Q, 0, MIB)
@@ -173,11 +190,15 @@ TOPICS = (
     MAP_DELTA,
     MAP_SNAPSHOT,
     MAP_JOURNAL,
+    PLACES,
+    VISIT,
     VIEW_DELTA,
     VIEW_SNAPSHOT,
+    VIEW_JOURNAL,
     VIEW_IMAGE,
     FEATURE_DELTA,
     FEATURE_SNAPSHOT,
+    FEATURE_JOURNAL,
     LABEL_DELTA,
     LABEL_SNAPSHOT,
     REASON,

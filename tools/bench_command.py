@@ -15,7 +15,8 @@ def run(
     stage: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="STAGE", help="Default: codec, bus, render, stages, laps, query, scale."
+            metavar="STAGE",
+            help="Default: codec, bus, render, stages, laps, query, scale; or link.",
         ),
     ] = None,
     source: Annotated[
@@ -88,13 +89,14 @@ def sample() -> Path | None:
 
 def _chosen(names: list[str], source: Path | None) -> list[str]:
     """Return the benches to run: all that can, unless some are named."""
-    from sceneq_tools.bench.registry import BENCHES, NEED_SOURCE
+    from sceneq_tools.bench.registry import BENCHES, NEED_SOURCE, ON_REQUEST
     from sceneq_tools.errors import UserError
 
     if unknown := [name for name in names if name not in BENCHES]:
         raise UserError(f"no stage named {unknown[0]!r} (there are: {', '.join(BENCHES)})", 2)
+    usual = [name for name in BENCHES if name not in ON_REQUEST]
     if names or source is not None:
-        return names or list(BENCHES)
+        return names or usual
     left_out = ", ".join(sorted(NEED_SOURCE))
     typer.echo(f"left out without a recording: {left_out} (say which with --source)", err=True)
-    return [name for name in BENCHES if name not in NEED_SOURCE]
+    return [name for name in usual if name not in NEED_SOURCE]

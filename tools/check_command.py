@@ -11,7 +11,11 @@ def run(
         Path | None, typer.Argument(metavar="GRAPH.YAML", help="Default: as for `sceneq up`.")
     ] = None,
 ) -> None:
-    """Check a graph file: every key, node kind and parameter, with line numbers."""
+    """Check a graph file: every key, node kind and parameter, with line numbers.
+
+    Of a graph for several machines, tell what crosses between them.
+    """
+    from sceneq_tools.crossing import crossings
     from sceneq_tools.graph import default_path, load
     from sceneq_tools.graph_check import check_nodes
 
@@ -20,3 +24,5 @@ def run(
     check_nodes(loaded, document)
     names = " ".join(node.id for node in loaded.nodes)
     typer.echo(f"{path}: {len(loaded.nodes)} nodes are right: {names}")
+    for one in crossings(loaded):
+        typer.echo(f"{one.source} -> {one.target}: {one.stream}, up to {one.mbit_s:.1f} Mbit/s")

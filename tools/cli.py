@@ -8,8 +8,9 @@ from typing import Annotated
 import typer
 
 COMMANDS = (
-    *("up", "ask", "teach", "forget", "status", "metrics", "trace", "view", "viewer"),
-    *("check", "map", "export", "demo", "schema", "doctor", "bench", "synth"),
+    *("up", "ask", "teach", "forget", "status", "metrics", "trace", "view", "viewer", "mcp"),
+    *("check", "map", "export", "demo", "schema", "doctor", "bench", "synth", "render"),
+    *("record", "replay", "import", "chaos"),
     *("calibrate", "calibrate-names", "portraits", "train-probe"),
 )
 GROUPS = ("scene", "sim", "eval", "secure")

@@ -31,6 +31,13 @@ class Router(_Strict):
     connect: list[Endpoint] = []
 
 
+class Machine(_Strict):
+    """A machine that nodes are deployed to; ``uplink_mbit_s``: what it can send to the others."""
+
+    router: Router = Router()
+    uplink_mbit_s: Annotated[float, Field(gt=0)] | None = None
+
+
 class WatchdogLimits(_Strict):
     """When a node counts as hung: seconds of silence, seconds inside one step."""
 
@@ -67,8 +74,10 @@ class Graph(_Strict):
     robot: Id = "robot"
     sensor: Id = "camera"
     store: str | None = None
+    log: Literal["text", "json"] = "text"
     secure: str | None = None
     router: Router = Router()
+    machines: dict[Id, Machine] = {}
     watchdog: WatchdogLimits = WatchdogLimits()
     nodes: Annotated[list[GraphNode], Field(min_length=1)]
 
@@ -76,6 +85,8 @@ class Graph(_Strict):
 MODELS: dict[tuple[str, ...], type[BaseModel]] = {
     (): Graph,
     ("router",): Router,
+    ("machines",): Machine,
+    ("machines", "router"): Router,
     ("watchdog",): WatchdogLimits,
     ("nodes",): GraphNode,
     ("nodes", "deploy"): Deploy,
@@ -153,12 +164,22 @@ def _problem(document: Document, error: Any) -> Problem:
     path: KeyPath = error["loc"]
     where, shown = document.where(path), shown_path(document, path)
     if error["type"] == "extra_forbidden":
-        model = MODELS[tuple(part for part in path[:-1] if isinstance(part, str))]
+        model = MODELS[_kinds(path[:-1])]
         hint = did_you_mean(str(path[-1]), set(model.model_fields))
         return Problem(where, shown, "unknown key", hint=hint)
     if error["type"] == "missing":
         return Problem(where, shown, "missing key", hint=f"add '{path[-1]}: ...'")
     return Problem(where, shown, error["msg"], error.get("input", ABSENT))
+
+
+def _kinds(path: KeyPath) -> tuple[str, ...]:
+    """Return the path without numbers and names: what sort of place it is."""
+    named = ("machines",)
+    return tuple(
+        part
+        for i, part in enumerate(path)
+        if isinstance(part, str) and (i == 0 or path[i - 1] not in named)
+    )
 
 
 def _twins(document: Document, graph: Graph) -> list[Problem]:

@@ -11,6 +11,7 @@ from sceneq_nodes._backends import check as check_backend
 from sceneq_nodes._params import ParamError, validate
 from sceneq_tools.graph import Graph, GraphNode, shown_path
 from sceneq_tools.graph_document import Document, KeyPath
+from sceneq_tools.graph_machines import machine_problems
 from sceneq_tools.graph_problem import ABSENT, GraphError, Problem
 
 MISSING = "missing key"
@@ -21,8 +22,9 @@ SEAMS = {name: name for name in BACKENDS if name != "nodes"} | {"meanwhile": "en
 
 
 def check_nodes(graph: Graph, document: Document) -> None:
-    """Raise ``GraphError`` with everything that is wrong with the nodes' kinds and parameters."""
-    problems = [
+    """Raise ``GraphError`` with everything that is wrong with machines, kinds and parameters."""
+    problems = machine_problems(graph, document)
+    problems += [
         _problem(document, error)
         for index, node in enumerate(graph.nodes)
         for error in _node_errors(node, ("nodes", index))

@@ -23,7 +23,7 @@ class Document:
         self.name = path.name
         self._options: dict[KeyPath, str] = {}
         self._root = self._parse(_read(path))
-        self.values: dict[str, Any] = yaml.SafeLoader("").construct_document(self._root)
+        self.values: dict[str, Any] = self._constructed()
 
     def override(self, path: KeyPath, value: Any, option: str) -> None:
         """Set the value at ``path``, making the mappings on the way; ``option`` is to blame."""
@@ -42,24 +42,35 @@ class Document:
                 return f"{self.name}:{node.start_mark.line + 1}"
         return f"{self.name}:1"
 
+    def _constructed(self) -> Any:
+        try:
+            return yaml.SafeLoader("").construct_document(self._root)
+        except yaml.MarkedYAMLError as error:
+            raise self._not_yaml(error) from error
+
     def _parse(self, text: str) -> yaml.Node:
         try:
             root = yaml.compose(text, Loader=yaml.SafeLoader)
         except yaml.MarkedYAMLError as error:
-            line = error.problem_mark.line + 1 if error.problem_mark else 1
-            raise self._error(line, "", f"not YAML: {error.problem}") from error
-        except yaml.YAMLError as error:
+            raise self._not_yaml(error) from error
+        except (yaml.YAMLError, RecursionError) as error:
             raise self._error(1, "", f"not YAML: {error}") from error
         if not isinstance(root, yaml.MappingNode):
             raise self._error(1, "", "expected 'key: value' lines")
-        self._reject_twins(root)
+        self._reject_twins(root, set())
         return root
 
-    def _reject_twins(self, node: yaml.Node) -> None:
-        """YAML keeps the last of two equal keys and says nothing; we say it."""
+    def _reject_twins(self, node: yaml.Node, looked_at: set[int]) -> None:
+        """YAML keeps the last of two equal keys and says nothing; we say it.
+
+        A node may stand in many places, by its aliases, and even in itself.
+        """
+        if id(node) in looked_at:
+            return
+        looked_at.add(id(node))
         if isinstance(node, yaml.SequenceNode):
             for item in node.value:
-                self._reject_twins(item)
+                self._reject_twins(item, looked_at)
         if not isinstance(node, yaml.MappingNode):
             return
         seen: set[Hashable] = set()
@@ -69,7 +80,7 @@ class Document:
             if key.value in seen:
                 raise self._error(key.start_mark.line + 1, key.value, "written twice")
             seen.add(key.value)
-            self._reject_twins(value)
+            self._reject_twins(value, looked_at)
 
     def _find(self, path: KeyPath) -> yaml.Node | None:
         """Return the node that shows where ``path`` is written: its key, or its list item."""
@@ -80,6 +91,10 @@ class Document:
             if shown is None:
                 return None
         return shown
+
+    def _not_yaml(self, error: yaml.MarkedYAMLError) -> GraphError:
+        line = error.problem_mark.line + 1 if error.problem_mark else 1
+        return self._error(line, "", f"not YAML: {error.problem}")
 
     def _error(self, line: int, path: str, message: str) -> GraphError:
         return GraphError([Problem(f"{self.name}:{line}", path, message)])

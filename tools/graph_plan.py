@@ -2,16 +2,19 @@
 
 import re
 import socket
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from sceneq_nodes._credentials import SECURE
+from sceneq_nodes._logs import TEXT
 from sceneq_nodes._params import did_you_mean
+from sceneq_tools.endpoint import host_and_port
 from sceneq_tools.errors import UserError
 from sceneq_tools.graph import DEFAULT_ENDPOINT, ROUTER, Graph, GraphNode, Router, WatchdogLimits
 from sceneq_tools.graph_document import Document
+from sceneq_tools.graph_machines import machine_names, router_of
 from sceneq_tools.graph_problem import GraphError, Problem
 
 DEFAULT_SECURE = DEFAULT_ENDPOINT.replace("tcp/", "tls/")
@@ -31,12 +34,13 @@ class Plan:
     nodes: tuple[GraphNode, ...]
     store: Path | None = None
     secure: Path | None = None
+    log: str = TEXT
 
     @property
     def endpoint(self) -> str:
         """Where nodes and clients of this machine reach the router."""
-        protocol, _, address = self.router.listen[0].partition("/")
-        host, _, port = address.rpartition(":")
+        first = self.router.listen[0]
+        protocol, (host, port) = first.partition("/")[0], host_and_port(first)
         return f"{protocol}/{ANYWHERE.get(host, host)}:{port}"
 
     def as_json(self) -> dict[str, Any]:
@@ -61,18 +65,25 @@ def plan(
     machine: str,
     only: Collection[str] = (),
     port: int | None = None,
+    connect: Sequence[str] = (),
+    elsewhere: bool = False,
 ) -> Plan:
     """Return what ``machine`` runs, or those of its nodes that ``only`` names.
 
-    ``port`` replaces the one the router listens on.
+    ``port`` replaces the one the router listens on, ``connect`` the routers it joins;
+    ``elsewhere``: it is another machine, whose folders are not to be found here.
 
     Raises:
         UserError: nothing runs there, an unknown name, no scene, or no such source folder.
     """
     nodes = _chosen(_on(machine, graph), only)
-    _need_sources(nodes, graph, document)
+    if not elsewhere:
+        _need_sources(nodes, graph, document)
     secure = None if graph.secure is None else Path(graph.secure).expanduser().resolve()
-    router = graph.router if secure is None else encrypted(graph.router)
+    router = router_of(graph, machine)
+    if connect:
+        router = router.model_copy(update={"connect": list(connect)})
+    router = router if secure is None else encrypted(router)
     return Plan(
         graph.scene or _scene_of(graph, document),
         graph.robot,
@@ -82,6 +93,7 @@ def plan(
         nodes,
         None if graph.store is None else Path(graph.store).expanduser().resolve(),
         secure,
+        graph.log,
     )
 
 
@@ -98,15 +110,16 @@ def encrypted(router: Router) -> Router:
     return router.model_copy(update={"listen": listen})
 
 
-def scene_name(folder: Path) -> str:
-    """Return the folder's name as an id: ``My Kitchen 2`` -> ``my_kitchen_2``."""
-    return re.sub(r"[^a-z0-9_-]+", "_", folder.resolve().name.lower()).strip("_") or "scene"
+def scene_name(source: Path) -> str:
+    """Return the name of a folder or file as an id: ``My Kitchen 2.bag`` -> ``my_kitchen_2``."""
+    path = source.resolve()
+    name = path.stem if path.is_file() else path.name
+    return re.sub(r"[^a-z0-9_-]+", "_", name.lower()).strip("_") or "scene"
 
 
 def need_free_port(endpoint: str) -> None:
     """Raise ``UserError`` when somebody else listens on a TCP ``endpoint``."""
-    protocol, _, address = endpoint.partition("/")
-    host, _, port = address.partition("?")[0].rpartition(":")
+    protocol, (host, port) = endpoint.partition("/")[0], host_and_port(endpoint)
     if protocol not in ("tcp", "tls"):
         return
     family = socket.AF_INET6 if host.startswith("[") else socket.AF_INET
@@ -128,8 +141,8 @@ def _on_port(router: Router, port: int) -> Router:
 
 def _on(machine: str, graph: Graph) -> list[GraphNode]:
     nodes = [node for node in graph.nodes if node.deploy.machine == machine]
-    if not nodes:
-        hint = did_you_mean(machine, {node.deploy.machine for node in graph.nodes})
+    if not nodes and machine not in graph.machines:
+        hint = did_you_mean(machine, set(machine_names(graph)))
         raise UserError(f"no node has 'deploy: {{machine: {machine}}}' ({hint})", 2)
     return nodes
 

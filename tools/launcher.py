@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from sceneq_nodes._credentials import VARIABLE, Credentials
+from sceneq_nodes._logs import TEXT
+from sceneq_nodes._logs import VARIABLE as LOG_FORM
 from sceneq_tools.console import Console
 from sceneq_tools.errors import UserError
 from sceneq_tools.graph import DEFAULT_ENDPOINT, ROUTER
@@ -84,6 +86,8 @@ class Launcher:
         conf = render(self._plan.nodes, folder, self._logs.resolve())
         (folder / "supervisord.conf").write_text(conf)
         environment = {"SCENEQ_GRAPH": str(graph)}
+        if self._plan.log != TEXT:
+            environment[LOG_FORM] = self._plan.log
         if self._credentials is not None:
             environment[VARIABLE] = str(self._credentials.folder)
         return Supervisor(folder, environment)
@@ -147,7 +151,8 @@ class Launcher:
         if end.code <= 0:
             return ""
         words = last_line(self._logs / f"{end.name}.log")
-        return f": {words}" if words and not TROUBLE.search(words) else ""
+        told = TROUBLE.search(words) or words.startswith("{")  # by its record, if it is trouble
+        return f": {words}" if words and not told else ""
 
     def _unwatch(self, name: str) -> None:
         self._ready.discard(name)

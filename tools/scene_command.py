@@ -3,11 +3,12 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 if TYPE_CHECKING:
+    from sceneq_core.places.visit import Visit
     from sceneq_nodes._scene_folder import SceneFacts, SceneFolder
 
 app = typer.Typer(no_args_is_help=True, help="List, check and tidy the maps kept on disk.")
@@ -42,11 +43,16 @@ def info(scene: Scene, store: Store = None, as_json: AsJson = False) -> None:
     import json
     from dataclasses import asdict
 
-    facts = _facts(_one(store, scene))
+    from sceneq_nodes._visit_json import visit_json
+
+    folder = _one(store, scene)
+    facts = _facts(folder)
+    with _told():
+        visits = folder.visits()
     if as_json:
-        typer.echo(json.dumps(asdict(facts), indent=2))
+        typer.echo(json.dumps(asdict(facts) | {"visits": list(map(visit_json, visits))}, indent=2))
         return
-    for line in _lines(facts):
+    for line in (*_lines(facts), *map(_visit_line, visits)):
         typer.echo(line)
 
 
@@ -80,6 +86,49 @@ def delete(scene: Scene, store: Store = None, yes: Yes = False) -> None:
     with _told():
         folder.delete()
     typer.echo(f"{scene}: deleted")
+
+
+@app.command()
+def merge(
+    scene: Scene,
+    other: Annotated[str, typer.Argument(help="The scene that becomes part of it.")],
+    out: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Make a new scene; default: change SCENE.")
+    ] = None,
+    store: Store = None,
+) -> None:
+    """Make OTHER part of SCENE: aligned where they overlap, one set of instances."""
+    import re
+
+    from sceneq_schemas.topics import ID
+    from sceneq_tools.errors import UserError
+    from sceneq_tools.scene_merge import merge as merged_into
+
+    one, two = _one(store, scene), _one(store, other)
+    if out is not None and not re.fullmatch(ID, out):
+        raise UserError(f"--out {out!r}: must match {ID.pattern}", 2)
+    into = one.path if out is None else one.path.parent / out
+    if scene == other or (out is not None and into.exists()):
+        raise UserError(f"{out or other}: is there already" if out else "one scene twice", 2)
+    with _told():
+        done = merged_into(one, two, into, _node_params())
+    found, (before, after) = done.found, done.instances
+    typer.echo(
+        f"{other} lies in {scene}: {found.keyframes} of its places recognised at {found.places}, "
+        f"{found.features} features, trust {found.trust:.2f}, spread {100 * found.spread_m:.1f} cm"
+    )
+    typer.echo(
+        f"{into.name}: {done.keyframes} keyframes of {other} taken in as visit "
+        f"{', '.join(map(str, done.visits))}, {before} -> {after} instances"
+    )
+
+
+def _node_params() -> "dict[str, dict[str, Any]]":
+    """Return the parameters of mapping and views in ./graph.yaml, or those by default."""
+    from sceneq_tools.graph import default_path, load
+
+    graph, _ = load(default_path())
+    return {node.node_kind: node.params for node in graph.nodes}
 
 
 def _find(store: Path | None) -> "list[SceneFolder]":
@@ -148,3 +197,10 @@ def _lines(facts: "SceneFacts") -> list[str]:
         *(f"descriptors of {model}: {count}" for model, count in facts.described.items()),
         *(f"set aside: {name}" for name in facts.set_aside),
     ]
+
+
+def _visit_line(visit: "Visit") -> str:
+    came = f"visit {visit.number}: {visit.robot}"
+    origin = f" in {visit.origin}" if visit.origin else ""
+    known = visit.evidence if visit.T_world_odom is not None else "where it started is not known"
+    return f"{came}{origin}: {known}"

@@ -81,15 +81,17 @@ def from_health(key: str, payload: bytes) -> NodeStatus | None:
     """Return what a heartbeat says, ``None`` when it is not one."""
     ids = HEALTH.ids(key)
     try:
-        health = json.loads(payload)
-    except (ValueError, RecursionError):
+        return None if ids is None else _told(ids["node"], json.loads(payload))
+    except (ValueError, TypeError, AttributeError, RecursionError):
         return None
-    if ids is None or not isinstance(health, dict):
-        return None
+
+
+def _told(node: str, health: Any) -> NodeStatus:
+    """Return the fields of a health message; what is none of ours fails in one of many ways."""
     topics = health.get("topics") or {}
     ages = [flow["age_ms"] for flow in topics.values() if flow.get("age_ms") is not None]
     return NodeStatus(
-        node=ids["node"],
+        node=node,
         kind=str(health.get("kind", "")),
         state=str(health.get("state", "")),
         pid=health.get("pid"),

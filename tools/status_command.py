@@ -48,8 +48,12 @@ def _print(nodes: "list[NodeStatus]", told: dict[str, dict[str, Any]]) -> None:
 
     print_table(COLUMNS, [_row(node) for node in nodes])
     for node in nodes:
-        if words := _inline({**node.values, **node.counters}):
+        values = dict(node.values)
+        trouble = values.pop("trouble", "")
+        if words := _inline({**values, **node.counters}):
             typer.echo(f"{node.node}: {words}")
+        if trouble:
+            typer.echo(f"{node.node}: TROUBLE {trouble}")
     for scene, said in told.items():
         typer.echo(f"scene {scene}: {_inline(said)}")
     if not told:

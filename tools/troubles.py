@@ -1,5 +1,6 @@
 """Warnings and errors in the logs of nodes, forwarded without flooding."""
 
+import json
 import re
 from collections import Counter
 from collections.abc import Iterable
@@ -28,8 +29,8 @@ class Troubles:
         """Show what is new."""
         for name, tail in self._tails.items():
             for line in tail.new_lines():
-                if hit := TROUBLE.search(line):
-                    self._show(name, hit[1], line[hit.end() :].removeprefix(f" {name}:").strip())
+                if said := trouble(name, line):
+                    self._show(name, *said)
 
     def close(self) -> None:
         """Let the files go."""
@@ -44,3 +45,21 @@ class Troubles:
             often = f" ({count} like this)" if count > 1 else ""
             tone = "warn" if level == "WARNING" else "bad"
             self._console.say(name, f"{level} {text}{often}", tone)
+
+
+def trouble(name: str, line: str) -> tuple[str, str] | None:
+    """Return level and text of a warning or worse in the log of ``name``, whatever its form."""
+    if line.startswith("{"):
+        return _of_object(line)
+    hit = TROUBLE.search(line)
+    return (hit[1], line[hit.end() :].removeprefix(f" {name}:").strip()) if hit else None
+
+
+def _of_object(line: str) -> tuple[str, str] | None:
+    try:
+        told = json.loads(line)
+        level, text = str(told["level"]), str(told["message"])
+    except (ValueError, KeyError, TypeError):
+        return None
+    last = str(told.get("error", "")).rpartition("\n")[2]
+    return (level, f"{text}: {last}" if last else text) if TROUBLE.fullmatch(level) else None

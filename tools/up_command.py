@@ -1,12 +1,13 @@
 """``sceneq up``: run this machine's part of a graph until Ctrl-C."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 if TYPE_CHECKING:
-    from sceneq_tools.graph import Override
+    from sceneq_tools.graph import Graph, Override
     from sceneq_tools.graph_plan import Plan
 
 GraphFile = Annotated[
@@ -16,7 +17,8 @@ GraphFile = Annotated[
     ),
 ]
 Source = Annotated[
-    Path | None, typer.Option(help="Recording to read: frames, or a ScanNet, Replica, TUM folder.")
+    Path | None,
+    typer.Option(help="Recording to play: a folder or file of a known kind (docs/sources.md)."),
 ]
 Scene = Annotated[str | None, typer.Option(help="Default: the name of the source folder.")]
 Rate = Annotated[
@@ -34,6 +36,10 @@ Sim = Annotated[
     ),
 ]
 Seed = Annotated[int | None, typer.Option(min=0, help="Which of these rooms; needs --sim.")]
+Camera = Annotated[
+    str | None, typer.Option(metavar="MAKER", help="Live: realsense, oak, orbbec or record3d.")
+]
+CAMERAS = ("realsense", "oak", "orbbec", "record3d")
 Viewer = Annotated[
     str | None,
     typer.Option(metavar="serve|FILE.rrd|URL", help="Watch it in Rerun, as sceneq viewer does."),
@@ -41,10 +47,14 @@ Viewer = Annotated[
 Segmenter = Annotated[
     str | None, typer.Option(help="Kind: rgbd, or files = masks beside the frames, ...")
 ]
+Record = Annotated[
+    Path | None,
+    typer.Option(metavar="OUT.mcap", help="Record all of it, as sceneq record does."),
+]
 Store = Annotated[
     Path | None, typer.Option(metavar="DIR", help="Keep the map in DIR/SCENE and go on with it.")
 ]
-SIM_RATE_HZ = 30.0
+SIM_RATE_HZ = CAMERA_RATE_HZ = 30.0
 
 
 def run(
@@ -58,8 +68,12 @@ def run(
     segmenter: Segmenter = None,
     sim: Sim = None,
     seed: Seed = None,
+    camera: Camera = None,
     only: Annotated[
         list[str] | None, typer.Option(metavar="NODE,...", help="Only these; may be repeated.")
+    ] = None,
+    without: Annotated[
+        list[str] | None, typer.Option(metavar="NODE,...", help="Not these; may be repeated.")
     ] = None,
     machine: Annotated[str, typer.Option(help="Run what is deployed to this machine.")] = "local",
     port: Annotated[
@@ -69,6 +83,7 @@ def run(
         list[str] | None, typer.Option(help="Router of another machine: tcp/HOST:7447.")
     ] = None,
     viewer: Viewer = None,
+    record: Record = None,
     store: Store = None,
     secure: Annotated[
         Path | None,
@@ -79,25 +94,24 @@ def run(
     ] = None,
 ) -> None:
     """Run the graph: a router and one process per node; Ctrl-C stops everything."""
-    from sceneq_tools.graph import Override, default_path, load
+    from sceneq_tools.graph import default_path, load
     from sceneq_tools.graph_check import check_nodes
     from sceneq_tools.graph_plan import need_free_port, plan
+    from sceneq_tools.record_option import with_recorder
     from sceneq_tools.viewer_option import with_viewer
 
-    overrides = source_overrides(source, scene, rate, step, loop, no_poses, segmenter)
-    if sim is not None or seed is not None:
+    is_sim = sim is not None or seed is not None
+    if is_sim:
         _need_sim_alone(sim, source, step, loop)
-        overrides = sim_overrides(str(sim), seed, scene, rate) + overrides
-    if connect:
-        overrides.append(Override("", ("router", "connect"), connect, "--connect"))
-    if store is not None:
-        overrides.append(Override("", ("store",), str(store), "--store"))
-    if secure is not None:
-        overrides.append(Override("", ("secure",), str(secure), "--secure"))
+    overrides = sim_overrides(str(sim), seed, scene, rate) if is_sim else []
+    overrides += source_overrides(source, scene, rate, step, loop, no_poses, segmenter)
+    overrides += camera_overrides(camera, scene, rate)
+    overrides += _graph_overrides(connect, store, secure)
     loaded, document = load(graph or default_path(), overrides)
     check_nodes(loaded, document)
-    names = [name for names in only or () for name in names.split(",")]
-    local = with_viewer(plan(loaded, document, machine, names, port), viewer)
+    names = _chosen_names(loaded, machine, only or (), without or ())
+    local = with_viewer(plan(loaded, document, machine, names, port, connect or ()), viewer)
+    local = with_recorder(local, record)
     for endpoint in local.router.listen:
         need_free_port(endpoint)
     raise typer.Exit(_launch(local, log_dir))
@@ -113,20 +127,44 @@ def source_overrides(
     segmenter: str | None,
 ) -> "list[Override]":
     """Return what the options about the source put over the graph file."""
-    from sceneq_nodes._source_kinds import kind_of
     from sceneq_tools.graph import Override
+    from sceneq_tools.live_source import is_live, live_overrides, need_live_options
+
+    if is_live(source):
+        need_live_options(step, loop)
+        live = live_overrides(source, scene, rate, no_poses)
+        chosen = _segmenter(segmenter, None)
+        masks = Override("segmentation", ("segmenter",), chosen, "--segmenter")
+        return live if chosen is None else [*live, masks]
 
     given = [
         ("", ("scene",), scene, "--scene"),
-        ("ingest", ("source", "kind"), source and kind_of(source), "--source"),
+        ("ingest", ("source", "kind"), source and source_kind(source), "--source"),
         ("ingest", ("source", "path"), source and str(source.resolve()), "--source"),
         ("ingest", ("source", "step"), step, "--step"),
         ("ingest", ("source", "loop"), loop or None, "--loop"),
         ("ingest", ("source", "use_poses"), False if no_poses else None, "--no-poses"),
         ("ingest", ("rate_hz",), rate, "--rate"),
+        ("ingest", ("keyframes",), source and keyframes_of(source), "--source"),
         ("segmentation", ("segmenter",), _segmenter(segmenter, source), "--segmenter"),
     ]
     return [Override(*override) for override in given if override[2] is not None]
+
+
+def source_kind(path: Path) -> str:
+    """Return the kind of recording that ``path`` is; ``UserError`` when it is none."""
+    from sceneq_nodes._source_kinds import need_kind
+    from sceneq_tools.errors import UserError
+
+    try:
+        return need_kind(path)
+    except ValueError as error:
+        raise UserError(str(error), 2) from error
+
+
+def keyframes_of(path: Path) -> dict[str, object] | None:
+    """Return the choice of keyframes that goes with a recording of keyframes: all of them."""
+    return {"kind": "every", "every": 1} if source_kind(path) == "mcap" else None
 
 
 def sim_overrides(
@@ -148,6 +186,55 @@ def sim_overrides(
         Override("ingest", ("source",), source, "--sim"),
         Override("ingest", ("rate_hz",), rate_hz, "--rate"),
     ]
+
+
+def camera_overrides(
+    maker: str | None, scene: str | None = None, rate: float | None = None
+) -> "list[Override]":
+    """Return what a camera on this machine puts over the graph file; every image is looked at."""
+    from sceneq_tools.errors import UserError
+    from sceneq_tools.graph import Override
+
+    if maker is None:
+        return []
+    if maker not in CAMERAS:
+        raise UserError(f"--camera {maker}: expected one of {', '.join(CAMERAS)}", 2)
+    return [
+        Override("", ("scene",), scene or maker, "--camera"),
+        Override("ingest", ("source",), {"kind": maker}, "--camera"),
+        Override("ingest", ("rate_hz",), rate or CAMERA_RATE_HZ, "--rate"),
+    ]
+
+
+def _graph_overrides(
+    connect: list[str] | None, store: Path | None, secure: Path | None
+) -> "list[Override]":
+    """Return what concerns all of the graph."""
+    from sceneq_tools.graph import Override
+
+    given = [
+        (("router", "connect"), connect or None, "--connect"),
+        (("store",), store and str(store), "--store"),
+        (("secure",), secure and str(secure), "--secure"),
+    ]
+    return [Override("", path, value, option) for path, value, option in given if value is not None]
+
+
+def _chosen_names(
+    graph: "Graph", machine: str, only: Iterable[str], without: Iterable[str]
+) -> list[str]:
+    """Return the ids of the nodes to run; none = all of the machine's."""
+    from sceneq_nodes._params import did_you_mean
+    from sceneq_tools.errors import UserError
+
+    names, left_out = ([n for many in given for n in many.split(",")] for given in (only, without))
+    known = {node.id for node in graph.nodes if node.deploy.machine == machine}
+    for name in left_out:
+        if name not in known:
+            raise UserError(f"--without {name}: no such node here ({did_you_mean(name, known)})", 2)
+    if not left_out:
+        return names
+    return [name for name in names or sorted(known) if name not in left_out]
 
 
 def _need_sim_alone(sim: str | None, source: Path | None, step: int | None, loop: bool) -> None:

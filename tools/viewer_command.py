@@ -1,7 +1,5 @@
 """``sceneq viewer``: watch a running graph, from this machine or another one."""
 
-import os
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,10 +8,8 @@ import typer
 from sceneq_tools.ask_command import DEFAULT_ENDPOINT
 
 if TYPE_CHECKING:
-    from sceneq_nodes._client import Client
     from sceneq_nodes._launch import Launch
 
-PATIENCE_S, POLL_S = 20.0, 0.5
 WEB_PORT, GRPC_PORT = 9090, 9876
 MAX_POINTS = 500_000
 
@@ -72,29 +68,7 @@ def _run(params: dict[str, Any], scene: str | None, router: str) -> int:
 
 
 def _launch(params: dict[str, Any], scene: str | None, router: str) -> "Launch":
-    from sceneq_nodes._bus import Context
     from sceneq_nodes._launch import Launch
-    from sceneq_tools import scenes
+    from sceneq_tools.joining import join
 
-    with scenes.connect(router) as client:
-        told = _wait_for(client, scene)
-        name = scenes.need_scene(client, scene)
-    context = Context(
-        node=f"viewer-{os.getpid()}",
-        scene=name,
-        robot=str(told.get(name, {}).get("robot", "robot")),
-        sensor=str(told.get(name, {}).get("sensor", "camera")),
-    )
-    return Launch("viewer", context, params, router)
-
-
-def _wait_for(client: "Client", scene: str | None) -> dict[str, dict[str, Any]]:
-    """Return what the scenes say of themselves; a graph that is starting needs a few seconds."""
-    from sceneq_tools.scenes import scene_status
-
-    deadline_s = time.monotonic() + PATIENCE_S
-    while True:
-        told = scene_status(client)
-        if (scene in told if scene else told) or time.monotonic() > deadline_s:
-            return told
-        time.sleep(POLL_S)
+    return Launch("viewer", join("viewer", scene, router), params, router)

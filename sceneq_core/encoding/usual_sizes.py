@@ -11,9 +11,9 @@ import numpy as np
 
 from sceneq_core.arrays import Float32, Float64
 
-SHAPE = 4
-"""Numbers of a shape: logarithms of longer and shorter side and of height in metres, and metres
-from the floor to the underside."""
+SHAPE, LENGTHS = 4, 3
+"""Numbers of a shape: logarithms of three lengths in metres, longer and shorter side and height,
+and metres from the floor to the underside."""
 
 THINNEST_M = 0.03
 """What is flatter than the voxels of a map are fine is as flat as this."""
@@ -25,8 +25,11 @@ WIDENED = 1.4
 """The spreads of few models, times this: other houses have other things, and maps see parts."""
 OUTLIERS, OUTLIER_SPREAD = 0.1, 3.0
 """So many things of a name are so much more different from the others."""
-MOST = 3.0
-"""A size alone makes a name at most exp(3) = 20 times as probable, or as improbable."""
+SMALLER = 0.5
+"""What is shorter, narrower or lower than usual counts as this much as far from it: a map often has
+seen a part only, but has seldom seen more of a sofa than there is."""
+MOST = 2.0
+"""A size alone makes a name at most exp(2) = 7 times as probable, or as improbable."""
 
 
 @runtime_checkable
@@ -71,7 +74,9 @@ class UsualSizes:
         evidence = np.zeros(len(self.mean))
         if known.any():
             spread = self.spread[known] * WIDENED
-            away = (((shape - self.mean[known]) / spread) ** 2).sum(axis=1)
+            off = (shape - self.mean[known]) / spread
+            off[:, :LENGTHS] *= np.where(off[:, :LENGTHS] < 0, SMALLER, 1.0)
+            away = (off**2).sum(axis=1)
             near = np.log(1 - OUTLIERS) - away / 2
             far = np.log(OUTLIERS / OUTLIER_SPREAD**SHAPE) - away / (2 * OUTLIER_SPREAD**2)
             log_p = np.logaddexp(near, far) - np.log(spread).sum(axis=1)

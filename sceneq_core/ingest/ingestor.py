@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from sceneq_core.arrays import Float64
 from sceneq_core.frame import Frame, depth_from_mm
 from sceneq_core.ingest.keyframes import KeyframePolicy
@@ -14,6 +16,8 @@ from sceneq_core.ingest.source import RawFrame, Skipped, Source
 from sceneq_core.ingest.transforms import inverse, nearest_rigid, rigid_defect
 
 GIVEN = "given"
+EXACT = 1e-14
+"""How far R^T R is from the identity after ``nearest_rigid``, at most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +79,8 @@ class Ingestor:
         keyframe = self._keyframe(raw, T_world_camera)
         if isinstance(keyframe, Skipped):
             return keyframe
-        return Ingested(raw.seq, raw.stamp_ns, T_world_camera, GIVEN, keyframe)
+        corrected = {seq: T @ self._T_depth_color for seq, T in raw.corrected.items()}
+        return Ingested(raw.seq, raw.stamp_ns, T_world_camera, GIVEN, keyframe, corrected)
 
     def _estimate(self, odometry: Odometry, raw: RawFrame) -> Ingested | Skipped:
         """Take a frame whose pose odometry has to find; the graph corrects it, and older ones."""
@@ -130,5 +135,8 @@ def _given(raw: RawFrame) -> Float64 | Skipped:
     defect = rigid_defect(raw.T_world_camera)
     if defect:
         return Skipped(raw.seq, f"pose of frame {raw.seq}", defect)
-    # Recorded poses are rounded; what leaves here must stay rigid after a product.
-    return nearest_rigid(raw.T_world_camera)
+    # Recorded poses are rounded; what leaves here must stay rigid after a product. One that is
+    # exact already is left alone, so that what was ingested once comes out again bit by bit.
+    R_world_camera = raw.T_world_camera[:3, :3]
+    is_exact = np.abs(R_world_camera.T @ R_world_camera - np.eye(3)).max() < EXACT
+    return raw.T_world_camera if is_exact else nearest_rigid(raw.T_world_camera)

@@ -48,13 +48,9 @@ class EveryNth:
         self._since_last = 0
 
 
-_TIMER_NOISE_NS = 1_000_000
-"""Stamps of a regular camera jitter: a frame this much early is not left for the next one."""
-
-
 @dataclass(frozen=True, slots=True)
 class IntervalParams:
-    """``period_s``: seconds of capture time from one keyframe to the next, at least."""
+    """``period_s``: seconds of capture time from one keyframe to the next, on average."""
 
     period_s: float = 0.3
 
@@ -65,7 +61,9 @@ class IntervalParams:
 class Interval:
     """A keyframe every ``period_s``, whatever the frame rate of the camera.
 
-    A clock that was set back starts a new period.
+    Of the frames round each due time the nearest is taken, so that a camera at half the rate gives
+    as many keyframes. A frame that comes after a pause, or by a clock that was set back, is due and
+    starts anew.
     """
 
     Params: ClassVar[type] = IntervalParams
@@ -73,17 +71,23 @@ class Interval:
 
     def __init__(self, params: IntervalParams) -> None:
         self.params = params
-        self._period_ns = round(params.period_s * 1e9) - _TIMER_NOISE_NS
-        self._last_ns: int | None = None
+        self._period_ns = round(params.period_s * 1e9)
+        self._due_ns: int | None = None
+        self._seen_ns: int | None = None
 
     def is_due(self, T_world_camera: Float64, stamp_ns: int) -> bool:
-        """Tell whether the period is over."""
-        last = self._last_ns
-        return last is None or not 0 <= stamp_ns - last < self._period_ns
+        """Tell whether the next frame will be further from the due time than this one."""
+        step_ns = 0 if self._seen_ns is None else stamp_ns - self._seen_ns
+        self._seen_ns = stamp_ns
+        if self._due_ns is None or step_ns < 0:
+            return True
+        return 2 * (self._due_ns - stamp_ns) <= min(step_ns, self._period_ns)
 
     def took(self, T_world_camera: Float64, stamp_ns: int) -> None:
-        """Start the next period."""
-        self._last_ns = stamp_ns
+        """Set the next due time: a period after the last one, if this frame was near it."""
+        due_ns = self._due_ns
+        is_near = due_ns is not None and 2 * abs(stamp_ns - due_ns) <= self._period_ns
+        self._due_ns = (due_ns if is_near and due_ns is not None else stamp_ns) + self._period_ns
 
 
 @dataclass(frozen=True, slots=True)

@@ -59,7 +59,7 @@ class KissIcpOdometry:
 
     def __init__(self, params: KissIcpParams) -> None:
         self.params = params
-        self._icp = _kiss_icp(params)
+        self._icp = kiss_icp(params)
         self._rays = _Rays(params.stride)
 
     def register(
@@ -99,7 +99,7 @@ class _Rays:
         return points
 
 
-def _kiss_icp(params: KissIcpParams) -> Any:
+def kiss_icp(params: KissIcpParams, min_range_m: float = 0.0) -> Any:
     """Return a KISS-ICP pipeline with every setting given, so that no environment variable counts.
 
     One thread: the sums of a parallel reduction depend on how the work was divided.
@@ -115,7 +115,7 @@ def _kiss_icp(params: KissIcpParams) -> Any:
 
     return KissICP(
         KISSConfig(
-            data=DataConfig(max_range=params.max_range_m, min_range=0.0, deskew=False),
+            data=DataConfig(max_range=params.max_range_m, min_range=min_range_m, deskew=False),
             registration=RegistrationConfig(max_num_threads=1),
             mapping=MappingConfig(voxel_size=params.voxel_m),
             adaptive_threshold=AdaptiveThresholdConfig(

@@ -1,7 +1,7 @@
 """The seam between ingest and recordings, cameras or robots."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from sceneq_core.arrays import Float64, UInt8, UInt16
@@ -37,6 +37,7 @@ class RawFrame:
             when the source has no poses.
         read_rgb: returns uint8 (H, W, 3) RGB in the colour camera.
         read_depth_mm: returns uint16 (H, W) millimetres in the depth camera, 0 = no measurement.
+        corrected: poses of earlier frames, by seq, that the source knows better from here on.
     """
 
     seq: int
@@ -44,6 +45,12 @@ class RawFrame:
     T_world_camera: Float64 | None
     read_rgb: Callable[[], UInt8 | Skipped]
     read_depth_mm: Callable[[], UInt16 | Skipped]
+    corrected: Mapping[int, Float64] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Waiting:
+    """What a live source yields when it has no frame yet; it is asked again a little later."""
 
 
 class RefusedError(ValueError):

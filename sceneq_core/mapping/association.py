@@ -269,8 +269,7 @@ class Association:
         beside = self._neighbourhood.disturbed()
         if not changed.any():
             return beside
-        everyone = np.arange(len(self._of_superpoint), dtype=np.int32)
-        own = everyone[changed[self._evidence.segments(everyone)].any(axis=1)]
+        own = self._evidence.showing(changed, len(self._of_superpoint))
         return np.union1d(own, beside)
 
     def _in_view(self) -> Bool:

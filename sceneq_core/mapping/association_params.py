@@ -20,8 +20,10 @@ class AssociationParams:
         tau_detach: agreement with their group below which superpoints leave it.
         tau_merge: agreement above which two groups are one.
         min_common_views: keyframes that have to show both before two groups merge.
-        contact_views: views that it is worth where a surface goes on from one to the other, once
-            they are out of view.
+        contact_views: views that it is worth to a superpoint out of view where its surface goes on
+            into a group.
+        kinship_views: views that it is worth to groups how much they look like one thing: to two
+            that are out of view, and to a part that wants to leave its group.
         max_rounds: of refinement in one keyframe; what is left waits for the next one.
     """
 
@@ -35,6 +37,7 @@ class AssociationParams:
     tau_merge: float = 0.5
     min_common_views: int = 2
     contact_views: float = 1.0
+    kinship_views: float = 3.0
     max_rounds: int = 2
 
     def __post_init__(self) -> None:
@@ -43,6 +46,6 @@ class AssociationParams:
         need_between(self, 0, 1, "min_score", "tau_detach", "tau_merge")
         need_within(self, 0, 1, "vote_weight")
         need_positive(self, "hold")
-        need_at_least(self, 0, "contact_views")
+        need_at_least(self, 0, "contact_views", "kinship_views")
         if not self.tau_detach < self.tau_merge:
             raise ValueError(f"tau_detach: must be below tau_merge, got {self.tau_detach}")

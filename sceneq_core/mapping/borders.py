@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sceneq_core.arrays import Array, Float64, Int32, Int64
+from sceneq_core.arrays import Array, Bool, Float64, Int32, Int64
+from sceneq_core.mapping.colours import Palette
 from sceneq_core.mapping.tally import Tally
 
 SHIFT = 32
@@ -30,11 +31,13 @@ class Near:
 class Borders:
     """Sums over pairs of superpoints, each under both of them, and the ``group`` of each (S,).
 
-    ``length`` of their border, and the ``unbent`` part of it; superpoints ``in_view``.
+    ``length`` of their border, and the ``unbent`` part of it; their colours in the ``palette``;
+    superpoints ``in_view``.
     """
 
     length: Tally
     unbent: Tally
+    palette: Palette
     in_view: Int32
     group: Int32
 
@@ -46,40 +49,70 @@ class Borders:
         place = np.full(len(self.group), -1, np.int64)
         place[superpoint_id] = np.arange(len(superpoint_id))
         place[self.in_view] = -1
-        row = place[self.length.key >> SHIFT]
-        length = np.bincount(row[row >= 0], self.length.total[row >= 0], len(superpoint_id))
-        pair = self.unbent.key
-        row, group = place[pair >> SHIFT], self.group[pair & LOW]
-        known = np.flatnonzero((row >= 0) & (group >= 0))
-        key, entry = np.unique(row[known] << SHIFT | group[known], return_inverse=True)
-        unbent = np.bincount(entry, self.unbent.total[known], len(key))
+        asked = np.flatnonzero(place >= 0)
+        entry = self.length.under(asked, SHIFT)
+        row = place.take(self.length.key.take(entry) >> SHIFT)
+        length = np.bincount(row, self.length.total.take(entry), len(superpoint_id))
+        entry = self.unbent.under(asked, SHIFT)
+        pair = self.unbent.key.take(entry)
+        group = self.group.take(pair & LOW)
+        known = np.flatnonzero(group >= 0)
+        row = place.take(pair.take(known) >> SHIFT)
+        key, of_entry = np.unique(row << SHIFT | group.take(known), return_inverse=True)
+        unbent = np.bincount(of_entry, self.unbent.total.take(entry.take(known)), len(key))
         row = key >> SHIFT
         return Near(row, (key & LOW).astype(np.int32), unbent / length[row])
 
     def openness(self, first: Array, second: Array) -> Float64:
         """Return the unbent share of the border of group pairs, float64 (P,); 0 without one."""
+        if not len(first):
+            return np.zeros(0)
         pair = np.minimum(first, second).astype(np.int64) << SHIFT | np.maximum(first, second)
         asked, row = np.unique(pair, return_inverse=True)
         length, unbent = self._between(self.length, asked), self._between(self.unbent, asked)
         return np.asarray((unbent / np.maximum(length, 1))[row])
 
-    def openness_of_parts(self, superpoint_id: Int32, part: Int64, former: Int32) -> Float64:
-        """Return that of the border between each part, float64 (P,), and the rest of its group.
+    def meeting(self) -> tuple[Int64, Int64]:
+        """Return the pairs (P,) of groups that the surface goes on between."""
+        key = self.unbent.key
+        first, second = self.group.take(key >> SHIFT), self.group.take(key & LOW)
+        known = np.flatnonzero((first < second) & (first >= 0))
+        pair = np.unique(first.take(known).astype(np.int64) << SHIFT | second.take(known))
+        return pair >> SHIFT, pair & LOW
+
+    def kinship(self, first: Array, second: Array) -> Float64:
+        """Return how much group pairs look like one thing, float64 (P,), 0 to 1.
+
+        The geometric mean of the openness of their border and the colours that they have in common:
+        an armchair's seat goes on into its back and is of the same stuff; a table top may go on
+        into a tray, and a white wall has the colour of a white shelf.
+        """
+        openness = self.openness(first, second)
+        touch = np.flatnonzero(openness > 0)
+        common = self.palette.common(self.group, first[touch], second[touch])
+        openness[touch] = np.sqrt(openness[touch] * common)
+        return openness
+
+    def kinship_of_parts(
+        self, superpoint_id: Int32, part: Int64, former: Int32, asked: Bool
+    ) -> Float64:
+        """Return that of the ``asked`` parts (P,) with the rest of their groups, float64 (A,).
 
         ``part`` int64 (N,) from 0 is that of distinct superpoints, ``former`` int32 (P,) the group
         of each part.
         """
         group, first = self.group.copy(), int(self.group.max(initial=-1)) + 1
         group[superpoint_id] = first + part
-        apart = Borders(self.length, self.unbent, self.in_view, group)
-        return apart.openness(former, np.arange(first, first + len(former)))
+        apart = Borders(self.length, self.unbent, self.palette, self.in_view, group)
+        return apart.kinship(former[asked], first + np.flatnonzero(asked))
 
     def _between(self, tally: Tally, asked: Int64) -> Float64:
         """Return the sums between group pairs ``asked``, packed and sorted (P,)."""
-        first, second = self.group[tally.key >> SHIFT], self.group[tally.key & LOW]
-        known = (first >= 0) & (first < second)
-        key = first[known].astype(np.int64) << SHIFT | second[known]
+        first, second = self.group.take(tally.key >> SHIFT), self.group.take(tally.key & LOW)
+        # Most pairs are of one group: what is left are the borders.
+        known = np.flatnonzero((first < second) & (first >= 0))
+        key = first.take(known).astype(np.int64) << SHIFT | second.take(known)
         place = np.searchsorted(asked, key)
-        hit = np.append(asked, -1)[place] == key
-        total = np.bincount(place[hit], tally.total[known][hit], len(asked))
-        return total.astype(np.float64)
+        hit = np.flatnonzero(np.append(asked, -1).take(place) == key)
+        total = tally.total.take(known.take(hit))
+        return np.bincount(place.take(hit), total, len(asked)).astype(np.float64)

@@ -1,6 +1,7 @@
 """Boxes round a set of points, one edge along gravity."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -49,11 +50,19 @@ def box_around(points_world: Float32, up_world: Float64) -> Box:
 
 
 def level_axes(up_world: Float64) -> Float64:
-    """Return a rotation (3, 3) whose third column is ``up_world``."""
+    """Return a rotation (3, 3), not to be written to, whose third column is ``up_world``."""
+    return _level_axes(np.asarray(up_world, np.float64).tobytes())
+
+
+@lru_cache(maxsize=16)  # up is the same for all boxes of a keyframe
+def _level_axes(up_bytes: bytes) -> Float64:
+    up_world = np.frombuffer(up_bytes, np.float64)
     helper = np.eye(3)[int(np.argmin(np.abs(up_world)))]
     x = _cross(helper, up_world)
     x /= np.sqrt(x @ x)
-    return np.stack((x, _cross(up_world, x), up_world), axis=1)
+    axes = np.stack((x, _cross(up_world, x), up_world), axis=1)
+    axes.flags.writeable = False
+    return axes
 
 
 def _cross(a: Float64, b: Float64) -> Float64:

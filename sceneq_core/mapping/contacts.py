@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import Float32, Float64, Int32, Int64
+from sceneq_core.arrays import Array, Float32, Float64, Int32, Int64
+from sceneq_core.mapping.rows import distinct
 from sceneq_core.mapping.surface import SurfacePoints
 from sceneq_core.mapping.voxels import Voxels
 
@@ -52,15 +53,18 @@ def contacts_in_view(
     of which every ``stride_px``-th pixel was measured.
     """
     near, far = _borders(superpoint, surface.row // stride_px, surface.column // stride_px)
-    step_world = surface.points_world[far] - surface.points_world[near]
-    gap_m = np.sqrt((step_world**2).sum(axis=1))
-    close = gap_m < _REACH_VOXELS * voxels.voxel_size_m
-    near, far, step_world, gap_m = near[close], far[close], step_world[close], gap_m[close]
-    one, other = (_looks(voxels, voxel_id[end]) for end in (near, far))
-    unbent = ((other[0] - one[0]) * step_world).sum(axis=1) >= _INWARDS * gap_m
-    unbent &= ((other[1] - one[1]) ** 2).sum(axis=1) < _OTHER_COLOUR**2
-    ends = np.sort(np.stack((superpoint[near], superpoint[far])), axis=0).astype(np.int64)
-    key, pair = np.unique(ends[0] << _SHIFT | ends[1], return_inverse=True)
+    points_world = surface.points_world
+    step_world = points_world.take(far, axis=0) - points_world.take(near, axis=0)
+    gap_m = np.sqrt(_row_sums(step_world**2))
+    close = np.flatnonzero(gap_m < _REACH_VOXELS * voxels.voxel_size_m)
+    near, far, gap_m = near.take(close), far.take(close), gap_m.take(close)
+    turn, tint = _differences(voxels, voxel_id.take(near), voxel_id.take(far))
+    unbent = _row_sums(turn * step_world.take(close, axis=0)) >= _INWARDS * gap_m
+    unbent &= _row_sums(tint**2) < _OTHER_COLOUR**2
+    one, other = superpoint.take(near).astype(np.int64), superpoint.take(far)
+    key, pair = np.unique(
+        np.minimum(one, other) << _SHIFT | np.maximum(one, other), return_inverse=True
+    )
     return Contacts(
         first=(key >> _SHIFT).astype(np.int32),
         second=(key & _LOW).astype(np.int32),
@@ -76,11 +80,33 @@ def _looks(voxels: Voxels, voxel_id: Int32) -> tuple[Float64, Float32]:
     return normals_world, np.asarray(lab * np.array((0.5, 1.0, 1.0), np.float32))
 
 
-def _borders(superpoint: Int32, row: Int32, column: Int32) -> tuple[Int64, Int64]:
+def _differences(voxels: Voxels, near_id: Int32, far_id: Int32) -> tuple[Float64, Float32]:
+    """Return by how much normals and colours (N, 3) of pairs of voxels differ.
+
+    A voxel lies on more than one border: what it looks like is worked out once.
+    """
+    voxel_id = distinct(np.concatenate((near_id, far_id)), len(voxels))
+    row = np.empty(len(voxels), np.int32)
+    row[voxel_id] = np.arange(len(voxel_id), dtype=np.int32)
+    near, far = row.take(near_id), row.take(far_id)
+    normals_world, lab = _looks(voxels, voxel_id)
+    turn = normals_world.take(far, axis=0) - normals_world.take(near, axis=0)
+    return turn, lab.take(far, axis=0) - lab.take(near, axis=0)
+
+
+def _row_sums(rows: Array) -> Array:
+    """Return the sums of rows (N, 3); for so few columns quicker than ``sum``."""
+    sums: Array = rows[:, 0] + (rows[:, 1] + rows[:, 2])
+    return sums
+
+
+def _borders(superpoint: Int32, row: Int32, column: Int32) -> tuple[Int32, Int32]:
     """Return the points to both sides of all borders between superpoints in the image."""
     shape = int(row.max(initial=-1)) + 1, int(column.max(initial=-1)) + 1
-    image, point = np.full(shape, -1, np.int32), np.zeros(shape, np.int64)
-    image[row, column], point[row, column] = superpoint, np.arange(len(row))
+    image, point = np.full(shape, -1, np.int32), np.zeros(shape, np.int32)
+    pixel = row * shape[1] + column
+    image.reshape(-1)[pixel] = superpoint
+    point.reshape(-1)[pixel] = np.arange(len(row), dtype=np.int32)
     near, far = [], []
     for one, other in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):
         border = (image[one] != image[other]) & (image[one] >= 0) & (image[other] >= 0)

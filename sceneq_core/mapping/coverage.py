@@ -5,7 +5,7 @@ import numpy as np
 from sceneq_core.arrays import Array, Bool, Int32, Int64
 from sceneq_core.mapping.agreement import RegionViews
 from sceneq_core.mapping.evidence import NO_SEGMENT
-from sceneq_core.mapping.rows import with_rows
+from sceneq_core.mapping.rows import first_of_runs, largest_of_runs, with_rows
 from sceneq_core.mapping.tally import Tally
 
 NO_REGION = -1
@@ -65,7 +65,7 @@ class Coverage:
     def owners(self) -> Int32:
         """Return per segment number the region that covers most of it, or ``NO_REGION``."""
         segment, region = self._by_segment.key >> _SHIFT, self._by_segment.key & _LOW
-        row = _largest_of_runs(segment, self._by_segment.total)
+        row = largest_of_runs(segment, self._by_segment.total)
         owner = np.full(self.segments, NO_REGION, np.int32)
         owner[segment[row]] = region[row]
         return owner
@@ -79,7 +79,7 @@ class Coverage:
         region, segment = self._by_region.key >> _SHIFT, self._by_region.key & _LOW
         keyframes, view = np.unique(self._keyframe[segment], return_inverse=True)
         cell = region * len(keyframes) + view
-        row = _largest_of_runs(cell, self._by_region.total)
+        row = largest_of_runs(cell, self._by_region.total)
         pixels = _sums_of_runs(cell, self._by_region.total)
         row, pixels = row[pixels >= self._min_pixels], pixels[pixels >= self._min_pixels]
         row = row[_top_of_runs(region[row], pixels, self._top_views)]
@@ -99,36 +99,15 @@ class Coverage:
         return mark
 
 
-def _starts(key: Int64) -> Int64:
-    """Return the first row of each run of equal keys."""
-    starts = np.ones(len(key), np.bool_)
-    starts[1:] = key[1:] != key[:-1]
-    return np.flatnonzero(starts)
-
-
-def _lengths(start: Int64, count: int) -> Int64:
-    return np.diff(np.append(start, count))
-
-
-def _largest_of_runs(key: Int64, size: Int64) -> Int64:
-    """Return, per run of equal keys, the row of the largest size, the first one among equals."""
-    start = _starts(key)
-    if not len(start):
-        return start
-    largest = np.repeat(np.maximum.reduceat(size, start), _lengths(start, len(key)))
-    row = np.flatnonzero(size == largest)
-    return row[_starts(key[row])]
-
-
 def _sums_of_runs(key: Int64, size: Int64) -> Int64:
-    start = _starts(key)
+    start = first_of_runs(key)
     return np.add.reduceat(size, start) if len(start) else np.zeros(0, np.int64)
 
 
 def _top_of_runs(key: Int64, size: Int64, count: int) -> Int64:
     """Return the rows, sorted, of the ``count`` largest of each run, later ones among equals."""
-    start = _starts(key)
-    length = _lengths(start, len(key))
+    start = first_of_runs(key)
+    length = np.diff(start, append=len(key))
     if length.max(initial=0) <= count:
         return np.arange(len(key))
     order = np.lexsort((-np.arange(len(key)), -size, key))

@@ -14,6 +14,9 @@ at and it was not found there, or only in part; ``removed``: gone, merged or nev
 OBJECT, FLOOR, WALL, CEILING = "object", "floor", "wall", "ceiling"
 ROLES = (OBJECT, FLOOR, WALL, CEILING)
 
+MAX_INSTANCES = 1 << 24
+"""Ids are below: readers keep tables by id, and a damaged one is not to eat their memory."""
+
 EVENTS = ("appeared", "confirmed", "moved", "stale", "seen_again", "split", "merged", "removed")
 
 

@@ -25,8 +25,8 @@ def detached_parts(
 
     A part is what one segment shows of one group in the latest view, and parts are numbered from
     0; superpoints that stay where they are have ``ATTACHED``. A part is detached when it agrees
-    with its group by less than ``tau_detach``, the border between them counted as in merging, and
-    only those of it go that agree with the part: what agrees with nothing would be no better off.
+    with its group by less than ``tau_detach``, their kinship counted as in merging, and only those
+    of it go that agree with the part: what agrees with nothing would be no better off.
     Superpoints without a group (-1) always go.
     """
     segment, pixels = evidence.latest(superpoint_id)
@@ -35,10 +35,15 @@ def detached_parts(
     size = np.bincount(part, pixels, len(pair))
     part_views = _views_of_parts(superpoint_id, part, evidence, coverage, len(pair))
     same, common = views.compare_segments(part_views.segment[:-1], former)
-    extra = params.contact_views
-    unbent = extra * borders.openness_of_parts(superpoint_id, part, former)
-    apart = expected_agreement(same + unbent, common + extra) < params.tau_detach
-    leaves = (latest != NO_SEGMENT) & (size >= params.min_pixels) & (apart | (former == NO_REGION))
+    extra, grouped = params.kinship_views, former != NO_REGION
+    may_leave = (latest != NO_SEGMENT) & (size >= params.min_pixels)
+    # Kinship is looked up only where it can tip the balance.
+    least, most = (expected_agreement(same + more, common + extra) for more in (0, extra))
+    doubtful = may_leave & grouped & (least < params.tau_detach) & (most >= params.tau_detach)
+    alike = np.zeros(len(pair))
+    alike[doubtful] = extra * borders.kinship_of_parts(superpoint_id, part, former, doubtful)
+    apart = expected_agreement(same + alike, common + extra) < params.tau_detach
+    leaves = may_leave & (apart | ~grouped)
     unlike = _disagree(evidence.segments(superpoint_id), part.astype(np.int32), part_views, params)
     goes = leaves[part] & (~unlike | (group == NO_REGION))
     result = np.full(len(part), ATTACHED, np.int32)

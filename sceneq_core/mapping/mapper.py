@@ -9,6 +9,7 @@ from sceneq_core.checks import need_at_least, need_positive
 from sceneq_core.frame import Frame
 from sceneq_core.mapping.association import Association
 from sceneq_core.mapping.association_params import AssociationParams
+from sceneq_core.mapping.colours import colours_in_view
 from sceneq_core.mapping.contacts import contacts_in_view
 from sceneq_core.mapping.correction import (
     Anchors,
@@ -234,14 +235,16 @@ class Mapper:
         )
 
     def _visible(self, surface: SurfacePoints, touched: Touched, label_image: UInt16) -> Visible:
-        superpoint = self._superpoints.of(touched.voxel_id).take(touched.of_point)
+        of_voxel = self._superpoints.of(touched.voxel_id)
+        superpoint = of_voxel.take(touched.of_point)
         pixel = surface.row * label_image.shape[1] + surface.column
         label = label_image.reshape(-1).take(pixel)
         visible = visible_superpoints(superpoint, label, self._params.min_superpoint_pixels)
         voxel_id = touched.voxel_id.take(touched.of_point)
         stride_px = self._params.surface.stride_px
         contacts = contacts_in_view(superpoint, voxel_id, surface, stride_px, self._voxels)
-        return replace(visible, contacts=contacts)
+        colours = colours_in_view(of_voxel, self._published.rgb.take(touched.voxel_id, axis=0))
+        return replace(visible, contacts=contacts, colours=colours)
 
     def _members(self, group: int) -> Members:
         superpoint_id = self._association.members(group)

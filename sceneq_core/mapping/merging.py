@@ -20,16 +20,18 @@ def merging_pairs(
     """Return disjoint pairs of regions that agree by more than ``tau_merge``, the best first.
 
     While one of them is in view, bool (R,), it takes ``min_common_views``. Once both are out of
-    view there is nothing to wait for: an unbent border counts as ``contact_views`` more views.
+    view there is nothing to wait for: what they look like counts as ``kinship_views`` more views,
+    of which the kinship, 0 to 1, is the share that shows them as one.
     """
-    first, second = _sharing(views)
+    first, second = _candidates(views, in_view, borders)
     same, common = views.compare(first, second)
     score = expected_agreement(same, common)
     score[common < params.min_common_views] = 0.0
-    left = np.flatnonzero(~in_view[first] & ~in_view[second])
-    extra = params.contact_views
-    unbent = extra * borders.openness(first[left], second[left])
-    score[left] = expected_agreement(same[left] + unbent, common[left] + extra)
+    extra = params.kinship_views
+    best = expected_agreement(same + extra, common + extra)
+    left = np.flatnonzero(~in_view[first] & ~in_view[second] & (best > params.tau_merge))
+    alike = extra * borders.kinship(first[left], second[left])
+    score[left] = expected_agreement(same[left] + alike, common[left] + extra)
     good = np.flatnonzero(score > params.tau_merge)
     order = good[np.lexsort((second[good], first[good], -score[good]))]
     pairs: list[tuple[int, int]] = []
@@ -50,6 +52,14 @@ def united(pairs: Pairs, size: Int64) -> tuple[Pairs, Int32]:
     into = np.append(np.arange(len(size), dtype=np.int32), np.int32(-1))
     into[[small for small, _ in merged]] = [large for _, large in merged]
     return merged, into
+
+
+def _candidates(views: RegionViews, in_view: Bool, borders: Borders) -> tuple[Int64, Int64]:
+    """Return the pairs of regions that a segment shows, or that touch and are out of view."""
+    shared, meeting = _sharing(views), borders.meeting()
+    out = ~in_view[meeting[0]] & ~in_view[meeting[1]]
+    pair = np.union1d(shared[0] << 32 | shared[1], meeting[0][out] << 32 | meeting[1][out])
+    return pair >> 32, pair & ((1 << 32) - 1)
 
 
 def _sharing(views: RegionViews) -> tuple[Int64, Int64]:

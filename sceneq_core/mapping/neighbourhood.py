@@ -4,6 +4,7 @@ import numpy as np
 
 from sceneq_core.arrays import Bool, Int32
 from sceneq_core.mapping.borders import LOW, SHIFT, Borders
+from sceneq_core.mapping.colours import Palette
 from sceneq_core.mapping.contacts import Contacts
 from sceneq_core.mapping.rows import marked
 from sceneq_core.mapping.superpoints import SuperpointChange
@@ -12,7 +13,7 @@ from sceneq_core.mapping.visibility import Visible
 
 
 class Neighbourhood:
-    """The contacts of all superpoints, each pair under both of them, and the ones in view.
+    """The contacts and colours of all superpoints, each pair under both of them, and the view.
 
     Only superpoints that live have contacts: the size of the surface bounds the table.
     """
@@ -20,20 +21,23 @@ class Neighbourhood:
     def __init__(self) -> None:
         self._length = Tally()
         self._unbent = Tally()
+        self._palette = Palette()
         self._moved = np.zeros(0, np.int32)
         self.in_view = np.zeros(0, np.int32)
 
     def follow(self, change: SuperpointChange, visible: Visible) -> Int32:
         """Take in a keyframe; return the superpoints in view and those that just left it."""
         self._forget(change.gone_id)
+        self._palette.forget(np.concatenate((change.gone_id, change.new_id)))
         self._add(visible.contacts)
+        self._palette.see(visible.colours)
         left = np.setdiff1d(self.in_view, change.gone_id)
         self.in_view = visible.superpoint_id
         return np.union1d(left, self.in_view)
 
     def borders(self, group: Int32) -> Borders:
         """Return the borders of the groups that superpoints are in, ``group`` int32 (S,)."""
-        return Borders(self._length, self._unbent, self.in_view, group)
+        return Borders(self._length, self._unbent, self._palette, self.in_view, group)
 
     def move(self, superpoint_id: Int32) -> None:
         """Note that superpoints are in other groups than before."""
@@ -47,8 +51,8 @@ class Neighbourhood:
         """Return the superpoints out of view that border on what moved to other groups."""
         if not len(self._moved):
             return self._moved
-        pair = self._length.key
-        near = np.unique(pair[self._mark(self._moved)[pair >> SHIFT]] & LOW)
+        entry = self._length.under(self._moved.astype(np.int64), SHIFT)
+        near = np.unique(self._length.key.take(entry) & LOW)
         return np.setdiff1d(near.astype(np.int32), self.in_view)
 
     def _add(self, contacts: Contacts) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from sceneq_core.arrays import Float32, Float64, Int32, Int64
 from sceneq_core.checks import need_at_least, need_between, need_positive
 from sceneq_core.mapping.cells import CELL_BITS, CELL_SIDE
-from sceneq_core.mapping.rows import first_of_each, runs
+from sceneq_core.mapping.rows import largest_of_runs, runs
 
 _PADDED_SIDE = CELL_SIDE + 2
 _STEPS = sorted(
@@ -190,5 +190,5 @@ def _cheapest_target(source: Int32, target: Int32, cost: Float32, count: int) ->
     pair, row = np.unique(source * np.int64(count) + target, return_inverse=True)
     mean = np.bincount(row, cost) / np.bincount(row)
     source, target = (pair // count).astype(np.int32), (pair % count).astype(np.int32)
-    cheapest = first_of_each(np.lexsort((target, mean, source)), source)
+    cheapest = largest_of_runs(source, -mean)
     return np.stack((source[cheapest], target[cheapest]))

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from sceneq_core.arrays import Array, Float64, Int32
-from sceneq_core.mapping.rows import distinct, with_rows
+from sceneq_core.mapping.rows import distinct, stable_order, with_rows
 from sceneq_core.mapping.superpoints import Superpoints
 from sceneq_core.mapping.voxels import Voxels
 from sceneq_core.vectors import unit_rows
@@ -39,23 +39,21 @@ class Patches:
         self._reserve(len(superpoints))
         self.voxels[gone_id] = 0.0
         owner = superpoints.of(voxel_id)
-        order = np.argsort(owner, kind="stable")
-        order = order[np.searchsorted(owner[order], 0) :]
-        changed = distinct(owner[order], len(superpoints))
-        if len(order):
-            self._measure(voxels, voxel_id[order], owner[order], changed)
+        owned = np.flatnonzero(owner >= 0)
+        owned = owned.take(stable_order(owner.take(owned)))
+        changed = distinct(owner.take(owned), len(superpoints))
+        if len(owned):
+            self._measure(voxels, voxel_id.take(owned), owner.take(owned), changed)
         return distinct(np.concatenate((changed, gone_id)), len(superpoints))
 
     def _measure(self, voxels: Voxels, voxel_id: Int32, owner: Int32, changed: Int32) -> None:
         """Take the mean over each run of equal ``owner``."""
         start = np.searchsorted(owner, changed)
-        points, rgb = voxels.means(voxel_id)
+        points, rgb, normals = voxels.means_and_normals(voxel_id)
         count = np.diff(start, append=len(owner)).astype(np.float64)
         self.voxels[changed] = count
         self.centre_world[changed] = _means(points, start, count)
-        self.normal_world[changed] = unit_rows(
-            np.add.reduceat(voxels.normals_world(voxel_id), start, axis=0)
-        )
+        self.normal_world[changed] = unit_rows(np.add.reduceat(normals, start, axis=0))
         self.low_world[changed] = np.minimum.reduceat(points, start, axis=0)
         self.high_world[changed] = np.maximum.reduceat(points, start, axis=0)
         self.lab[changed] = _half_lightness(_means(rgb, start, count))

@@ -16,6 +16,7 @@ from sceneq_core.mapping.correction import Correction
 from sceneq_core.mapping.frame_faults import FaultParams, depth_cut, fault
 from sceneq_core.mapping.reference_view import ReferenceParams, ReferenceView
 from sceneq_core.mapping.witnesses import Motion, Witnesses, compare
+from sceneq_core.visits import visit_of
 
 Keyframe = tuple[Frame, UInt16]
 
@@ -91,6 +92,8 @@ class _Claim:
 class Quarantine:
     """Decides on every keyframe. Same keyframes, same order: same decisions.
 
+    What jumps and what follows is judged within a visit; what contradicts the map, by all of them.
+
     Attributes:
         let_in: keyframes held back first and let in later.
     """
@@ -98,11 +101,11 @@ class Quarantine:
     def __init__(self, params: QuarantineParams) -> None:
         self._params = params
         self._witnesses = Witnesses(params.witnesses, params.max_views, params.place_m)
-        self._last: ReferenceView | None = None
+        self._last_of: dict[int, ReferenceView] = {}
         self._admitted = 0
         self.let_in = 0
         self._cut_views = 0
-        self._claim: _Claim | None = None
+        self._claim_of: dict[int, _Claim] = {}
 
     def admit(self, frame: Frame, label_image: UInt16) -> Admission:
         """Return what goes into the map now that ``frame`` came."""
@@ -123,14 +126,15 @@ class Quarantine:
         """Move the views of frames whose poses are known better now."""
         poses = dict(zip(correction.seq.tolist(), correction.T_world_camera, strict=True))
         self._witnesses.correct(poses)
-        if self._last and self._last.seq in poses:
-            self._last = self._last.moved(poses[self._last.seq])
-        if self._claim:
-            self._claim.keyframes = [
+        for visit, last in self._last_of.items():
+            if last.seq in poses:
+                self._last_of[visit] = last.moved(poses[last.seq])
+        for claim in self._claim_of.values():
+            claim.keyframes = [
                 (replace(frame, T_world_camera=poses.get(frame.seq, frame.T_world_camera)), labels)
-                for frame, labels in self._claim.keyframes
+                for frame, labels in claim.keyframes
             ]
-            self._claim.last = ReferenceView(self._claim.keyframes[-1][0], self._params.reference)
+            claim.last = ReferenceView(claim.keyframes[-1][0], self._params.reference)
 
     def _cut(self, frame: Frame) -> str:
         """Return how much depth is missing, until it is clear that the sensor is like that."""
@@ -142,12 +146,14 @@ class Quarantine:
         """Return what speaks against ``view``, empty when nothing does."""
         params = self._params
         known = self._witnesses.ask(view)
-        motion = Motion.between(self._last, view) if self._last else Motion(0.0, 0.0, 0.0)
+        visit = visit_of(view.seq)
+        last = self._last_of.get(visit)
+        motion = Motion.between(last, view) if last else Motion(0.0, 0.0, 0.0)
         jumped = motion.exceeds(params.max_speed_m_s, params.max_turn_rad_s)
         needed = params.min_agreement_jump if jumped else params.min_agreement
         overlaps = known.samples >= params.min_overlap * max(1, len(view.points_world))
         contradicts = overlaps and known.agreement < needed
-        lost = not overlaps and self._claim is not None
+        lost = not overlaps and visit in self._claim_of
         uncovered = lost or (jumped and known.cover < params.min_cover_jump)
         reasons = (
             f"map contradicted: {1.0 - known.agreement:.0%} of what is known there" * contradicts,
@@ -158,9 +164,9 @@ class Quarantine:
 
     def _hold(self, new: _Claim, reason: str, keyframe: Keyframe) -> Admission:
         """Let ``new`` continue the claim it agrees with, or replace it; admit what is believed."""
-        claim = self._claim
+        claim = self._claim_of.get(visit_of(new.last.seq))
         if claim is None or not self._follows(claim.last, new.last):
-            claim = self._claim = new
+            claim = self._claim_of[visit_of(new.last.seq)] = new
         else:
             claim.views += 1
             claim.last = new.last
@@ -177,7 +183,7 @@ class Quarantine:
 
     def _proven_by(self, view: ReferenceView) -> tuple[Keyframe, ...]:
         """Return the keyframes held for a jump that a good ``view`` confirms: it was just fast."""
-        claim, self._claim = self._claim, None
+        claim = self._claim_of.pop(visit_of(view.seq), None)
         if claim is None or claim.contradicts:
             return ()
         common = compare(view, (claim.last,))
@@ -200,7 +206,7 @@ class Quarantine:
         return claim.views >= self._params.confirm_views and seconds >= self._params.confirm_s
 
     def _believe(self, claim: _Claim, held: int) -> tuple[Keyframe, ...]:
-        self._claim = None
+        self._claim_of.pop(visit_of(claim.last.seq), None)
         self.let_in += held
         for frame, _ in claim.keyframes:
             view = ReferenceView(frame, self._params.reference)
@@ -210,5 +216,5 @@ class Quarantine:
 
     def _remember(self, view: ReferenceView) -> None:
         self._witnesses.add(view)
-        self._last = view
+        self._last_of[visit_of(view.seq)] = view
         self._admitted += 1

@@ -3,11 +3,15 @@
 import numpy as np
 
 from sceneq_core.arrays import Bool, Float32, Int32, UInt8
-from sceneq_core.mapping.delta import REMOVED, STATES, TENTATIVE, Instance, MapDelta
+from sceneq_core.mapping.delta import MAX_INSTANCES, REMOVED, STATES, TENTATIVE, Instance, MapDelta
 from sceneq_core.mapping.rows import with_rows
 from sceneq_core.mapping.voxel_index import COORD_LIMIT
 
 MAX_VOXELS = 1 << 26
+SPARE_IDS, SPARSE = 1 << 22, 64
+"""Columns are as long as the highest id. Of a map that lost most of its voxels few are told, but a
+message of a few bytes is not to claim gigabytes: so many ids in all, or that many for every voxel.
+"""
 NO_SUPERPOINT = -1
 
 
@@ -138,7 +142,7 @@ def _lookup(instance_of_superpoint: Int32, superpoint_id: Int32) -> Int32:
     table = np.append(instance_of_superpoint, np.int32(0))
     last = len(table) - 1
     known = (superpoint_id >= 0) & (superpoint_id < last)
-    found: Int32 = table[np.where(known, superpoint_id, last)]
+    found: Int32 = table.take(np.where(known, superpoint_id, last))
     return found
 
 
@@ -150,11 +154,14 @@ def _check(delta: MapDelta, known_voxels: int) -> None:
     rows = {name: len(getattr(delta, name)) for name in _COLUMNS}
     if len(set(rows.values())) > 1:
         raise ValueError(f"map delta: columns of different length: {rows}")
-    if not delta.voxel_size_m > 0:
+    if not 0 < delta.voxel_size_m < np.inf:
         raise ValueError(f"map delta: voxel_size_m {delta.voxel_size_m} is not positive")
-    _check_ids("voxel_id", delta.voxel_id, 0, MAX_VOXELS)
+    if not (np.isfinite(delta.points_world).all() and np.isfinite(delta.up_world).all()):
+        raise ValueError("map delta: points_world or up_world is not finite")
+    room = min(MAX_VOXELS, SPARE_IDS + SPARSE * (known_voxels + rows["voxel_id"]))
+    _check_ids("voxel_id", delta.voxel_id, 0, room)
     _check_ids("voxel_coord", delta.voxel_coord, -COORD_LIMIT, COORD_LIMIT)
-    _check_ids("superpoint_id", delta.superpoint_id, NO_SUPERPOINT, MAX_VOXELS)
+    _check_ids("superpoint_id", delta.superpoint_id, NO_SUPERPOINT, room)
     voxels = max(known_voxels, int(delta.voxel_id.max(initial=-1)) + 1)
     _check_ids("removed_voxel_id", delta.removed_voxel_id, 0, voxels)
     if len(delta.moved_from_id) != len(delta.moved_to_id):
@@ -162,9 +169,9 @@ def _check(delta: MapDelta, known_voxels: int) -> None:
     _check_ids("moved_from_id", delta.moved_from_id, 0, MAX_VOXELS)
     _check_ids("moved_to_id", delta.moved_to_id, 0, MAX_VOXELS)
     for instance in delta.instances:
-        if instance.instance_id <= 0 or instance.state not in STATES:
+        if not 0 < instance.instance_id < MAX_INSTANCES or instance.state not in STATES:
             raise ValueError(f"map delta: instance {instance.instance_id} is {instance.state!r}")
-        _check_ids("instance.superpoint_id", instance.superpoint_id, 0, MAX_VOXELS)
+        _check_ids("instance.superpoint_id", instance.superpoint_id, 0, room)
 
 
 def _check_ids(field: str, ids: Int32, low: int, high: int) -> None:

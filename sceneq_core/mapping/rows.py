@@ -25,19 +25,48 @@ def put_rows(table: Array, row_id: Int32, rows: Array) -> None:
     np.put(table.view(item).reshape(-1), row_id, rows.view(item).reshape(-1))
 
 
-def marked(row_id: Int32, count: int) -> Bool:
+def marked(row_id: Array, count: int) -> Bool:
     """Return bool (count,), true at ``row_id``."""
     mark = np.zeros(count, np.bool_)
     mark[row_id] = True
     return mark
 
 
-def distinct(row_id: Int32, count: int) -> Int32:
+def distinct(row_id: Array, count: int) -> Int32:
     """Return the distinct ids of ``row_id``, sorted; all are in 0..count-1.
 
     For ids of a dense table this is far quicker than sorting or hashing them.
     """
     return np.flatnonzero(marked(row_id, count)).astype(np.int32)
+
+
+def stable_order(row_id: Int32) -> Int64:
+    """Return the rows sorted by their ids, all of them 0 or more, equal ones as they came.
+
+    By halves of the ids: numbers of 16 bits are sorted by radix, ten times quicker.
+    """
+    order = np.argsort(row_id.astype(np.uint16), kind="stable")
+    if row_id.max(initial=0) >= 1 << 16:
+        high = (row_id >> 16).astype(np.uint16)
+        order = order.take(np.argsort(high.take(order), kind="stable"))
+    return order
+
+
+def first_of_runs(sorted_key: Array) -> Int64:
+    """Return the row with which each run of equal keys begins."""
+    starts = np.ones(len(sorted_key), np.bool_)
+    starts[1:] = sorted_key[1:] != sorted_key[:-1]
+    return np.flatnonzero(starts)
+
+
+def largest_of_runs(sorted_key: Array, size: Array) -> Int64:
+    """Return per run of equal keys the row of the largest size, the first one among equals."""
+    start = first_of_runs(sorted_key)
+    if not len(start):
+        return start
+    length = np.diff(start, append=len(sorted_key))
+    row = np.flatnonzero(size == np.repeat(np.maximum.reduceat(size, start), length))
+    return row.take(first_of_runs(sorted_key.take(row)))
 
 
 def runs(rows: Array) -> tuple[Int64, Int64]:

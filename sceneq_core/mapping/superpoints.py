@@ -8,7 +8,14 @@ from sceneq_core.arrays import Bool, Int32
 from sceneq_core.mapping.ids import Ids
 from sceneq_core.mapping.partition import SuperpointParams, VoxelFeatures, partition
 from sceneq_core.mapping.ragged import Ragged
-from sceneq_core.mapping.rows import counted, distinct, first_of_each, marked, with_rows
+from sceneq_core.mapping.rows import (
+    counted,
+    distinct,
+    largest_of_runs,
+    marked,
+    stable_order,
+    with_rows,
+)
 from sceneq_core.mapping.voxels import Moved, Voxels
 
 _MUCH_NEW = 8
@@ -63,10 +70,10 @@ class Superpoints:
     ) -> tuple[Int32, SuperpointChange]:
         """Partition cells of these voxels anew; return the voxels partitioned and the change."""
         self.reserve(len(voxels))
-        cell_id = self._due_cells(voxels, touched_id, cleared_id, keyframe)
-        before = self._of_voxel[voxels.cells.voxels(cell_id)]
+        inside = voxels.cells.voxels(self._due_cells(voxels, touched_id, cleared_id, keyframe))
+        before = self.of(inside)
         self._of_voxel[cleared_id] = -1
-        return self._repartition(voxels, cell_id, before)
+        return self._repartition(voxels, inside, before)
 
     def carry(self, voxels: Voxels, moved: Moved) -> tuple[Int32, SuperpointChange]:
         """Let superpoints go with the surface of their voxels; partition where it was and is.
@@ -75,17 +82,17 @@ class Superpoints:
         """
         self.reserve(len(voxels))
         both = np.concatenate((moved.from_id, moved.to_id))
-        cell_id = distinct(voxels.cell(both), len(voxels.cells))
-        before = self._of_voxel[voxels.cells.voxels(cell_id)]
+        inside = voxels.cells.voxels(distinct(voxels.cell(both), len(voxels.cells)))
+        before = self.of(inside)
         carried = self.of(moved.from_id)[moved.heaviest]
         self._of_voxel[moved.from_id] = -1
         self._of_voxel[moved.to_id[moved.heaviest]] = carried
-        return self._repartition(voxels, cell_id, before)
+        return self._repartition(voxels, inside, before)
 
     def _repartition(
-        self, voxels: Voxels, cell_id: Int32, before: Int32
+        self, voxels: Voxels, inside: Int32, before: Int32
     ) -> tuple[Int32, SuperpointChange]:
-        inside = voxels.cells.voxels(cell_id)
+        """Partition the voxels ``inside`` of cells, which had the superpoints ``before``."""
         before = distinct(before[before >= 0], len(self))
         voxel_id = voxels.occupied(inside)
         features = VoxelFeatures(voxels.coord(voxel_id), *voxels.features(voxel_id))
@@ -95,7 +102,7 @@ class Superpoints:
         superpoint = self.of(voxel_id)
         count = np.bincount(superpoint)
         superpoint_id = np.flatnonzero(count).astype(np.int32)
-        in_order = voxel_id.take(np.argsort(superpoint, kind="stable"))
+        in_order = voxel_id.take(stable_order(superpoint))
         self._voxels.put(superpoint_id, count.take(superpoint_id), in_order)
         return voxel_id, change
 
@@ -144,9 +151,10 @@ def _match(part: Int32, old: Int32) -> tuple[Int32, Int32]:
     known = np.flatnonzero(old >= 0)
     pair, overlap = counted(part.take(known) * np.int64(span) + old.take(known))
     pair_part, pair_old = pair // span, pair % span
-    largest_old = first_of_each(np.lexsort((pair_old, -overlap, pair_part)), pair_part)
-    largest_part = first_of_each(np.lexsort((pair_part, -overlap, pair_old)), pair_old)
+    largest_old = largest_of_runs(pair_part, overlap)
+    by_old = np.argsort(pair_old, kind="stable")
+    largest_part = by_old[largest_of_runs(pair_old[by_old], overlap[by_old])]
     parent[pair_part[largest_old]] = pair_old[largest_old]
-    mutual = np.intersect1d(largest_old, largest_part)
+    mutual = largest_old[marked(largest_part, len(pair))[largest_old]]
     heir[pair_part[mutual]] = pair_old[mutual]
     return heir, parent

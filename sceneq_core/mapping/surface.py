@@ -73,8 +73,11 @@ def measure_surface(frame: Frame, params: SurfaceParams) -> SurfacePoints:
     points_camera = np.stack((x.take(column) * z, y.take(row) * z, z), axis=1)
     rotation, translation = frame.T_world_camera[:3, :3], frame.T_world_camera[:3, 3]
     normals_camera = np.stack([n.take(index) for n in normal], axis=1, dtype=np.float64)
+    points_world = points_camera @ rotation.T
+    for axis in range(3):  # quicker than to add rows
+        points_world[:, axis] += translation[axis]
     return SurfacePoints(
-        points_world=points_camera @ rotation.T + translation,
+        points_world=points_world,
         normals_world=unit_rows(normals_camera @ rotation.T),
         rgb=frame.rgb[::stride, ::stride].reshape(-1, 3).take(index, axis=0),
         weight=cosine.take(index) / (z * z),

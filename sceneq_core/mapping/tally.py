@@ -25,6 +25,15 @@ class Tally:
         if len(start):
             self._add_distinct(key[start], np.add.reduceat(amount, start))
 
+    def under(self, prefix: Int64, bits: int) -> Int64:
+        """Return the rows, sorted, of the keys that are one of ``prefix``, sorted, above ``bits``.
+
+        Of a few prefixes that is far quicker than to look at every key.
+        """
+        start, end = (np.searchsorted(self.key, (prefix + i) << bits) for i in (0, 1))
+        length = end - start
+        return np.arange(length.sum()) + np.repeat(end - np.cumsum(length), length)
+
     def drop(self, row: Bool) -> None:
         """Forget the keys in marked rows (N,)."""
         self.key, self.total = self.key[~row], self.total[~row]

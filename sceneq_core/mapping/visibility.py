@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sceneq_core.arrays import Int32, Int64, UInt16
+from sceneq_core.mapping.colours import NO_COLOURS, Colours
 from sceneq_core.mapping.contacts import NO_CONTACTS, Contacts
 from sceneq_core.mapping.rows import counted, first_of_each
 
@@ -17,13 +18,14 @@ class Visible:
 
     ``label`` int32 (S,) is the value in the label image of the segment that shows most of it, -1
     where none does; ``pixels`` int64 (S,) counts the surface points that show the superpoint.
-    ``contacts`` says which of them lie side by side.
+    ``contacts`` says which of them lie side by side, ``colours`` what colour they have.
     """
 
     superpoint_id: Int32
     label: Int32
     pixels: Int64
     contacts: Contacts = NO_CONTACTS
+    colours: Colours = NO_COLOURS
 
 
 NOTHING_VISIBLE = Visible(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros(0, np.int64))

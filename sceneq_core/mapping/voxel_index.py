@@ -94,12 +94,13 @@ class VoxelIndex:
         found = np.full(len(key), -1, np.int32)
         slot, pending = self._slot(key), np.arange(len(key))
         while len(pending):
-            held = self._key[slot]
-            hit = held == key[pending]
-            found[pending[hit]] = self._id[slot[hit]]
-            going_on = ~hit & (held != _EMPTY)
-            pending = pending[going_on]
-            slot = (slot[going_on] + 1) & (len(self._key) - 1)
+            held = self._key.take(slot)
+            is_hit = held == key.take(pending)
+            hit = np.flatnonzero(is_hit)
+            found[pending.take(hit)] = self._id.take(slot.take(hit))
+            going_on = np.flatnonzero(~is_hit & (held != _EMPTY))
+            pending = pending.take(going_on)
+            slot = (slot.take(going_on) + 1) & (len(self._key) - 1)
         return found
 
     def _store(self, key: Int64, voxel_id: Int32) -> None:

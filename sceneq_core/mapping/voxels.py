@@ -9,7 +9,7 @@ from sceneq_core.mapping.cells import SLOT_BITS, Cells
 from sceneq_core.mapping.rows import distinct, first_of_each, put_rows, with_rows
 from sceneq_core.mapping.surface import SurfacePoints
 from sceneq_core.mapping.voxel_index import COORD_LIMIT
-from sceneq_core.vectors import unit_rows
+from sceneq_core.vectors import divided, unit_rows
 
 _WEIGHT, _POSITION, _NORMAL, _COLOUR = 0, slice(1, 4), slice(4, 7), slice(7, 10)
 _SUMS = 10
@@ -128,8 +128,7 @@ class Voxels:
     def points_world(self, voxel_id: Int32) -> Float64:
         """Return mean positions float64 (M, 3), metres."""
         sums = self._sums.take(voxel_id, axis=0)
-        mean: Float64 = sums[:, _POSITION] / sums[:, _WEIGHT, None]
-        return mean
+        return divided(sums[:, _POSITION], sums[:, _WEIGHT])
 
     def normals_world(self, voxel_id: Int32) -> Float64:
         """Return unit normals float64 (M, 3); zero where views from both sides cancel out."""
@@ -141,15 +140,17 @@ class Voxels:
 
     def means(self, voxel_id: Int32) -> tuple[Float32, UInt8]:
         """Return ``points_world`` as float32 (M, 3) and ``rgb`` of voxels."""
+        return _means(self._sums.take(voxel_id, axis=0))
+
+    def means_and_normals(self, voxel_id: Int32) -> tuple[Float32, UInt8, Float64]:
+        """Return ``means`` and ``normals_world`` of voxels."""
         sums = self._sums.take(voxel_id, axis=0)
-        weight = sums[:, _WEIGHT, None]
-        points, rgb = sums[:, _POSITION] / weight, np.rint(sums[:, _COLOUR] / weight)
-        return points.astype(np.float32), rgb.astype(np.uint8)
+        return *_means(sums), unit_rows(sums[:, _NORMAL])
 
     def features(self, voxel_id: Int32) -> tuple[Float64, Float32]:
         """Return ``normals_world`` and the mean colours float32 (M, 3) in 0..1 of voxels."""
         sums = self._sums.take(voxel_id, axis=0)
-        colours = sums[:, _COLOUR] / (sums[:, _WEIGHT, None] * 255.0)
+        colours = divided(sums[:, _COLOUR], sums[:, _WEIGHT] * 255.0)
         return unit_rows(sums[:, _NORMAL]), colours.astype(np.float32)
 
     def _weights(self, voxel_id: Int32) -> Float64:
@@ -181,6 +182,12 @@ class Voxels:
         self.misses = with_rows(self.misses, len(self), 0)
         self.anchor = with_rows(self.anchor, len(self), 0)
         self._place[known : len(self)] = place
+
+
+def _means(sums: Float64) -> tuple[Float32, UInt8]:
+    weight = np.ascontiguousarray(sums[:, _WEIGHT])
+    points, rgb = divided(sums[:, _POSITION], weight), divided(sums[:, _COLOUR], weight)
+    return points.astype(np.float32), np.rint(rgb).astype(np.uint8)
 
 
 def _sums_of(surface: SurfacePoints, of_point: Int32, count: int) -> Float64:

@@ -1,6 +1,7 @@
 """Anti-aliased text in pictures."""
 
 from functools import cache
+from threading import Lock
 from typing import Any
 
 import cv2
@@ -13,11 +14,14 @@ INK: Colour = (38, 40, 44)
 FAINT: Colour = (120, 124, 130)
 PAPER: Colour = (255, 255, 255)
 REGULAR, BOLD = 400, 600
+_LETTERING = Lock()
+"""The one font face changes with its weight; views are drawn side by side."""
 
 
 def text_size(text: str, pixels: int, weight: int = REGULAR) -> tuple[int, int]:
     """Return width and height in pixels; the height is that of a line, whatever its letters."""
-    left, _, width, _ = cv2.getTextSize((1, 1), text, (0, 0), _face(), pixels, weight)
+    with _LETTERING:
+        left, _, width, _ = cv2.getTextSize((1, 1), text, (0, 0), _face(), pixels, weight)
     return left + width, pixels
 
 
@@ -34,14 +38,26 @@ def write(
     baseline = (at[0], at[1] + round(0.82 * pixels))
     if halo:
         _write_halo(image, text, baseline, pixels, weight)
-    cv2.putText(image, text, baseline, colour, _face(), pixels, weight)
+    _put(image, text, baseline, colour, pixels, weight)
+
+
+def _put(
+    image: UInt8,
+    text: str,
+    baseline: tuple[int, int],
+    colour: Colour | int,
+    pixels: int,
+    weight: int,
+) -> None:
+    with _LETTERING:
+        cv2.putText(image, text, baseline, colour, _face(), pixels, weight)
 
 
 def _write_halo(
     image: UInt8, text: str, baseline: tuple[int, int], pixels: int, weight: int
 ) -> None:
     ink = np.zeros(image.shape[:2], np.uint8)
-    cv2.putText(ink, text, baseline, 255, _face(), pixels, weight)
+    _put(ink, text, baseline, 255, pixels, weight)
     rim = cv2.blur(cv2.dilate(ink, np.ones((3, 3), np.uint8)), (3, 3))[..., None] / 255.0
     image[:] = (image * (1 - 0.85 * rim) + 0.85 * rim * np.array(PAPER)).astype(np.uint8)
 

@@ -1,6 +1,7 @@
 """A scene on one sheet: from above and from two opposite upper corners."""
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import cv2
@@ -75,11 +76,15 @@ def draw_sheet(
     _write_heading(sheet, heading, layout)
     R_room_world = room_axes(cloud.points_world, cloud.up_world)
     scene = _Scene(cloud, things, marks, R_room_world)
-    _put(sheet, layout.top, *scene.plan(layout.top, layout.letter_px), layout.letter_px)
-    for rect, (name, azimuth_deg) in zip(layout.corners, CORNERS, strict=True):
-        _put(
-            sheet, rect, *scene.corner(name, azimuth_deg, rect, layout.letter_px), layout.letter_px
-        )
+    letter_px = layout.letter_px
+    with ThreadPoolExecutor(len(CORNERS)) as pool:  # numpy and OpenCV share the cores
+        drawn = [
+            pool.submit(scene.corner, name, azimuth_deg, rect, letter_px)
+            for rect, (name, azimuth_deg) in zip(layout.corners, CORNERS, strict=True)
+        ]
+        _put(sheet, layout.top, *scene.plan(layout.top, letter_px), letter_px)
+        for rect, corner in zip(layout.corners, drawn, strict=True):
+            _put(sheet, rect, *corner.result(), letter_px)
     return sheet
 
 

@@ -42,15 +42,18 @@ def splat(viewpoint: Viewpoint, points_world: Float64, point_m: float) -> Splats
     pixels, depth_m = viewpoint.project(points_world)
     near_last = np.argsort(-depth_m, kind="stable")
     near_last = near_last[depth_m[near_last] > 0.05]
-    side = _side(viewpoint, depth_m[near_last], point_m)
+    depth_m = depth_m[near_last]
+    side = _side(viewpoint, depth_m, point_m)
     buffer = Splats(
         np.full((height, width), NOTHING, np.int64), np.full((height, width), np.inf, np.float32)
     )
-    corner = np.rint(pixels[near_last] - (side[:, None] - 1) / 2).astype(np.int64)
+    left, top = np.rint(pixels[near_last].T - (side - 1) / 2).astype(np.int64)
     for dv, du in np.ndindex(int(side.max(initial=0)), int(side.max(initial=0))):
-        u, v = corner[:, 0] + du, corner[:, 1] + dv
-        drawn = (side > max(dv, du)) & (u >= 0) & (v >= 0) & (u < width) & (v < height)
-        _write(buffer, v[drawn], u[drawn], near_last[drawn], depth_m)
+        u, v = left + du, top + dv
+        inside = (side > max(dv, du)) & (u >= 0) & (v >= 0) & (u < width) & (v < height)
+        drawn = np.flatnonzero(inside)
+        pixel = v.take(drawn) * width + u.take(drawn)
+        _write(buffer, pixel, near_last.take(drawn), depth_m.take(drawn))
     return _closed(buffer, viewpoint, point_m)
 
 
@@ -85,12 +88,13 @@ def _side(viewpoint: Viewpoint, depth_m: Float64, point_m: float) -> Int64:
     return whole
 
 
-def _write(buffer: Splats, v: Int64, u: Int64, point: Int64, depth_m: Float64) -> None:
+def _write(buffer: Splats, pixel: Int64, point: Int64, depth_m: Float64) -> None:
     """Write points ordered far to near: of several on one pixel the last, nearest, stays."""
-    nearer = depth_m[point] < buffer.depth_m[v, u]
-    v, u, point = v[nearer], u[nearer], point[nearer]
-    buffer.point[v, u] = point
-    buffer.depth_m[v, u] = depth_m[point]
+    point_at, depth_at = buffer.point.reshape(-1), buffer.depth_m.reshape(-1)
+    nearer = np.flatnonzero(depth_m < depth_at.take(pixel))
+    pixel = pixel.take(nearer)
+    point_at[pixel] = point.take(nearer)
+    depth_at[pixel] = depth_m.take(nearer)
 
 
 def _closed(buffer: Splats, viewpoint: Viewpoint, point_m: float) -> Splats:
@@ -99,7 +103,7 @@ def _closed(buffer: Splats, viewpoint: Viewpoint, point_m: float) -> Splats:
     if not drawn.any():
         return buffer
     scale = viewpoint.pixels_per_metre(np.median(buffer.depth_m[drawn]).astype(np.float64)[None])
-    reach = max(1, round(CLOSED_VOXELS * point_m * float(scale[0]) / 2))
+    reach = min(MAX_SIDE, max(1, round(CLOSED_VOXELS * point_m * float(scale[0]) / 2)))
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
     gaps = cv2.morphologyEx(drawn.astype(np.uint8), cv2.MORPH_CLOSE, kernel).astype(bool) & ~drawn
     v, u = _nearest_drawn(drawn, gaps)

@@ -20,12 +20,13 @@ def pose_problem(
     phrase = question.phrase
     anchors = tuple(dict.fromkeys(words for c in phrase.constraints for words in c.things))
     chosen = [
-        _candidates(snapshot, "anchor", words, _kind(fits[words]), fits[words].order[:top_k])
+        _candidates(snapshot, "anchor", words, fits[words], fits[words].order[:top_k])
         for words in anchors
     ]
     rows = _target_rows(snapshot, question, fits)[:top_k]
-    target = _kind(fits[phrase.target]) if phrase.constraints else fits[phrase.target]
-    targets = _candidates(snapshot, "target", phrase.target, target, rows)
+    target = fits[phrase.target]
+    meant = target if phrase.constraints else replace(target, kind=target.p)
+    targets = _candidates(snapshot, "target", phrase.target, meant, rows)
     return Problem(
         text=question.text,
         target=phrase.target,
@@ -52,11 +53,6 @@ def _target_rows(snapshot: SceneSnapshot, question: Question, fits: Mapping[str,
     return objects
 
 
-def _kind(fit: Fit) -> Fit:
-    """Return how well the words fit as the name of a kind of things."""
-    return replace(fit, p=fit.p_kind)
-
-
 def _gaps(snapshot: SceneSnapshot, row: int) -> Float64:
     """Return the distances (N,) between the axis-aligned boxes and that of ``row``, metres."""
     boxes = snapshot.columns.aabb_world
@@ -68,9 +64,9 @@ def _gaps(snapshot: SceneSnapshot, row: int) -> Float64:
 def _candidates(
     snapshot: SceneSnapshot, role: str, words: str, fit: Fit, rows: Int64
 ) -> list[Candidate]:
-    p = fit.p
+    p, cosine = fit.kind, fit.cosine
     return [
-        _candidate(snapshot.instances[row], role, words, float(p[row]), float(fit.cosine[row]))
+        _candidate(snapshot.instances[row], role, words, float(p[row]), float(cosine[row]))
         for row in rows.tolist()
     ]
 

@@ -30,9 +30,9 @@ FIXED_TEXTS = (*COLOUR_TERMS, *VAGUE)
 """What is encoded once, whatever the questions."""
 
 
-LOOKED_AT = 10
-"""Of how many best instances the presence is worked out: p(words | instance) of the others, which
-nobody would be shown first, is not worth their softmax over the label set."""
+LOOKED_AT = 50
+"""Of how many best instances p(words | instance) is worked out: the others, which no reasoner is
+shown, are not worth their softmax over the label set."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,31 +42,23 @@ class Fit:
     Only instances of the role that is meant count: floor and walls are not objects, and not asked
     of the encoder. ``order`` leaves the others out, their ``p`` is 0.
 
-    ``p`` (N,) is the probability that an instance is meant, given that one is; ``cosine`` (N,) the
-    mean cosine with the words; ``order`` (M,) the rows, best first. ``presence`` is the probability
-    that there is such a thing when ``calibrated``; else the highest p(words | instance) of the best
-    ones, and ``chance`` what it would be if the encoder knew nothing. ``evidence`` is what a
-    calibration judges presence by, at a temperature that is 1 / ``sharpness`` of that of ``p``.
+    ``p`` (N,) is the probability that an instance is meant, given that one is; ``kind`` (N,) is
+    p(words | instance), that it is such a thing, of the best ones, 0 of the others: of four lamps
+    that all are one, the most typical is not the likelier to be the one beside the sofa.
+    ``cosine`` (N,) is the mean cosine with the words; ``order`` (M,) the rows, best first.
+    ``presence`` is the probability that there is such a thing when ``calibrated``; else the highest
+    ``kind``, and ``chance`` what it would be if the encoder knew nothing. ``evidence`` is what a
+    calibration judges presence by.
     """
 
     p: Float64
+    kind: Float64
     cosine: Float64
     order: Int64
     presence: float
     chance: float
     evidence: Evidence
     calibrated: bool = False
-    sharpness: float = 1.0
-
-    @property
-    def p_kind(self) -> Float64:
-        """``p`` at the temperature of the evidence: how much each is of the kind that is named.
-
-        Which one of several mugs is meant by "the mug on the table" is for the relation to say.
-        """
-        p = self.p**self.sharpness
-        total = float(p.sum())
-        return p / total if total > 0 else p
 
     @property
     def p_null(self) -> float:
@@ -95,7 +87,7 @@ class Likelihood:
         asked = list(wanted.colours)
         noun, common = self._noun_cosine(snapshot, wanted)
         colour = snapshot.columns.colour_scores
-        log_colour = self._log_colours(colour, wanted, self._temperature)
+        log_colour = self._log_colours(colour, wanted)
         roles = snapshot.columns.role
         meant = roles == OBJECT
         if wanted.role != OBJECT and (roles == wanted.role).any():
@@ -108,20 +100,23 @@ class Likelihood:
         best = order[:LOOKED_AT]
         rivals = self._rivals(snapshot, wanted, best)
         choices = 1 + rivals.shape[1]
-        log_said = self._log_colours(colour[best], wanted, self._evidence_temperature)
-        log_said = log_said + fitting[best]
-        log_name = self._log_name(noun[best], rivals)
+        log_said = log_colour + fitting
+        log_name = self._log_name(noun[best], rivals, self._evidence_temperature)
         p = np.exp(log_softmax(log_fit)) if meant.any() else np.zeros(len(meant))
-        seen = evidence_of(log_name, log_said, float(p.max()), choices, len(order))
+        seen = evidence_of(log_name, log_said[best], float(p.max()), choices, len(order))
+        kind = np.exp(log_said) * meant
+        if wanted.vector is not None:
+            kind[order[LOOKED_AT:]] = 0.0
+            kind[best] *= np.exp(self._log_name(noun[best], rivals, self._temperature))
         return Fit(
             p=p,
+            kind=kind,
             cosine=np.column_stack([noun, colour[:, asked]]).mean(axis=1).astype(np.float64),
             order=order,
-            presence=self._presence(wanted, log_name, log_said, seen),
+            presence=self._presence(wanted, log_name, log_said[best], seen),
             chance=1.0 / choices / len(COLOUR_TERMS) ** len(asked) / 2 ** len(wanted.sizes),
             evidence=seen,
             calibrated=self._null is not None,
-            sharpness=self._temperature / self._evidence_temperature,
         )
 
     def each(self, snapshot: SceneSnapshot, wanted: Wanted, rows: Int64) -> Float64:
@@ -130,7 +125,8 @@ class Likelihood:
         A coffee table is a table, too: what labels call a kind of it counts, and competes no more.
         """
         colour = snapshot.columns.colour_scores
-        log_said = self._log_colours(colour, wanted, self._evidence_temperature)
+        log_colour = self._log_colours(colour, wanted)
+        log_said = log_colour
         if wanted.vector is None:
             anything: Float64 = np.exp(log_said[rows])
             return anything
@@ -144,8 +140,9 @@ class Likelihood:
         rivals = self._rivals(snapshot, replace(wanted, rivals=wanted.rivals & ~wanted.kinds), rows)
         kinds = snapshot.label_scores[rows][:, wanted.kinds]
         so_called = np.column_stack([noun[rows], kinds]).max(axis=1)
-        log_name, log_said = self._log_name(so_called, rivals), log_said[rows]
-        log_fit += self._log_colours(colour, wanted, self._temperature)
+        log_name = self._log_name(so_called, rivals, self._evidence_temperature)
+        log_said = log_said[rows]
+        log_fit += log_colour
         p, sizes = np.exp(log_softmax(log_fit))[rows], (1 + rivals.shape[1], len(snapshot))
         ones = [(log_name[i : i + 1], log_said[i : i + 1]) for i in range(len(rows))]
         seen = [evidence_of(*one, float(p[i]), *sizes) for i, one in enumerate(ones)]
@@ -153,21 +150,21 @@ class Likelihood:
             [self._presence(wanted, *one, what) for one, what in zip(ones, seen, strict=True)]
         )
 
-    def _log_colours(self, cosine: Float32, wanted: Wanted, temperature: float) -> Float64:
+    def _log_colours(self, cosine: Float32, wanted: Wanted) -> Float64:
         """Return log p (M,) of the colours said, and of none of those excluded.
 
         ``cosine`` (M, 11) is that with the colours.
         """
         if not wanted.colours and not wanted.excluded:
             return np.zeros(len(cosine))
-        log_p = log_softmax(cosine.astype(np.float64) / temperature)
+        log_p = log_softmax(cosine.astype(np.float64) / self._temperature)
         said: Float64 = log_p[:, list(wanted.colours)].sum(axis=1)
         return said + log_excluded(log_p, wanted.excluded)
 
-    def _log_name(self, noun: Float32, rivals: Float32) -> Float64:
+    def _log_name(self, noun: Float32, rivals: Float32, temperature: float) -> Float64:
         """Return log p(noun | instance) (M,) from cosines (M,) and those of its rivals (M, R)."""
         cosines = np.column_stack([noun, rivals]).astype(np.float64)
-        log_name: Float64 = log_softmax(cosines / self._evidence_temperature)[:, 0]
+        log_name: Float64 = log_softmax(cosines / temperature)[:, 0]
         return log_name
 
     def _fit_structure(
@@ -177,8 +174,10 @@ class Likelihood:
         voxels = np.maximum(snapshot.columns.voxel_count, 1.0)
         log_fit = np.where(meant, np.log(voxels) + log_colour, -np.inf)
         coloured = float(log_colour[meant].max())
+        p = np.exp(log_softmax(log_fit))
         return Fit(
-            p=np.exp(log_softmax(log_fit)),
+            p=p,
+            kind=p,
             cosine=cosine.astype(np.float64),
             order=np.argsort(-log_fit, kind="stable")[: meant.sum()],
             presence=float(np.exp(coloured)) * (1.0 if self._null else self._ceiling),

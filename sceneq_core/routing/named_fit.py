@@ -30,6 +30,7 @@ def with_name(fit: Fit, given: GivenName) -> Fit:
     return replace(
         fit,
         p=p / p.sum(),
+        kind=with_name_each(fit.kind, np.arange(len(p)), given),
         order=order[np.argsort(-p[order], kind="stable")],
         presence=max(fit.presence, surest),
     )

@@ -8,6 +8,9 @@ from sceneq_core.arrays import Float32, UInt8
 QUALITY = 90
 """Crops at 90 keep the classifier's answer; an image of 640x480 takes 60-80 KB."""
 
+MAX_PIXELS = 1 << 25
+"""8K: a header of a few bytes may not claim more memory than its pixels, 100 MB."""
+
 _SIZE_MARKERS = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 
 
@@ -23,8 +26,10 @@ def jpeg_from_rgb(rgb: UInt8) -> bytes:
 def rgb_from_jpeg(data: bytes) -> UInt8:
     """Return uint8 (H, W, 3) RGB; raise ``ValueError`` when ``data`` is no complete JPEG."""
     flags = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
-    complete = jpeg_size(data) is not None
-    bgr = cv2.imdecode(np.frombuffer(data, np.uint8), flags) if complete else None
+    height, width = jpeg_size(data) or (0, 0)
+    if height * width > MAX_PIXELS:
+        raise ValueError(f"JPEG of {width} x {height} pixels, the limit is {MAX_PIXELS}")
+    bgr = cv2.imdecode(np.frombuffer(data, np.uint8), flags) if height * width else None
     if bgr is None:
         raise ValueError(f"{len(data)} bytes are no JPEG")
     return np.asarray(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB), np.uint8)

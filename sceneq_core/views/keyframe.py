@@ -37,9 +37,10 @@ class Keyframe:
 
         ``changed`` is by place, with a last entry for -1; ``changed_block`` sums it up by block.
         """
-        if not changed_block[self.block].any():
+        if not changed_block.take(self.block).any():
             return self.block[:0]
-        return self.place[changed[self.place]]
+        place = self.place.reshape(-1)
+        return place.take(np.flatnonzero(changed.take(place)))
 
     def moved(self, place_now: Int32) -> "Keyframe":
         """Return the keyframe with its surfaces where they are by ``place_now`` (P + 1,)."""

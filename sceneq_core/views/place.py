@@ -83,7 +83,8 @@ class Places:
         coord = np.floor(points_voxel).astype(np.int32)
         first, of_pixel = _runs(coord)
         place = np.full(measured.shape, NO_PLACE, np.int32)
-        place[measured] = self._nearest(coord[:, first].T, points_voxel[:, first].T)[of_pixel]
+        nearest = self._nearest(coord.take(first, 1).T, points_voxel.take(first, 1).T)
+        place[measured] = nearest.take(of_pixel)
         return place
 
     def _nearest(self, coord: Int32, points_voxel: Float64) -> Int32:

@@ -193,7 +193,7 @@ class ViewSelector:
     def _instance_images(self, chosen: dict[int, tuple[int, ...]]) -> dict[int, Int32]:
         """Return the instance image of each keyframe in which a view has to be made."""
         new = {seq for i, seqs in chosen.items() for seq in seqs if not self._holds(seq, i)}
-        return {seq: self._instance_of_place[self.archive[seq].place] for seq in new}
+        return {seq: self._instance_of_place.take(self.archive[seq].place) for seq in new}
 
     def _view(self, seq: int, instance_id: int, images: dict[int, Int32]) -> View:
         """Return the view of an instance in a keyframe; the present one if it still holds."""

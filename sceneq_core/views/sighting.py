@@ -33,7 +33,7 @@ class Sightings:
 
         ``before`` and ``now`` are the instance of each place. Returns the instances concerned.
         """
-        lost, gained = _count(before[touched]), _count(now[touched])
+        lost, gained = _count(before.take(touched)), _count(now.take(touched))
         for instance_id in lost.keys() | gained.keys():
             came, went = gained.get(instance_id, 0), lost.get(instance_id, 0)
             self.visible_px[instance_id] = self.visible_px.get(instance_id, 0) + came - went
@@ -41,7 +41,7 @@ class Sightings:
             if not self.visible_px[instance_id]:
                 del self.visible_px[instance_id], self.moved_px[instance_id]
         self.cut.clear()
-        self.cut.update(now[keyframe.edge_place].tolist())
+        self.cut.update(now.take(keyframe.edge_place).tolist())
         return lost.keys() | gained.keys()
 
 
@@ -75,7 +75,7 @@ def from_columns(columns: Mapping[str, Int64]) -> dict[int, Sightings]:
 
 def find_sightings(keyframe: Keyframe, instance_of_place: Int32) -> Sightings:
     """Return what ``keyframe`` shows; no view has been made of any of it."""
-    visible_px = _count(instance_of_place[keyframe.place.ravel()])
+    visible_px = _count(instance_of_place.take(keyframe.place.reshape(-1)))
     cut = set(instance_of_place[keyframe.edge_place].tolist())
     return Sightings(visible_px, cut, dict(visible_px))
 

@@ -6,10 +6,13 @@ from pathlib import Path
 
 import pytest
 
+from sceneq_core.state import take_apart
 from sceneq_nodes._bus import Reply, Request
 from sceneq_nodes._convert import map_delta_message
 from sceneq_nodes._images import frame_message
+from sceneq_nodes._item_store import Change, Item
 from sceneq_nodes._recent_deltas import RecentDeltas, wanted_deltas
+from sceneq_nodes._state_bytes import packed
 from sceneq_nodes._wire import from_bytes, to_bytes
 from sceneq_nodes.views import Views, ViewsParams
 from sceneq_schemas.codec import encode
@@ -201,6 +204,54 @@ def test_a_newer_schema_is_left_alone(stream, tmp_path, caplog):
     graph.start()
     assert graph.bus.counters["store_failed"] == 1
     assert "schema 7, this version knows 1 at most" in caplog.text
+    graph.recent, graph.told = RecentDeltas(), []
+    graph.show(0, 1)
+    assert graph.acknowledged() == [0, 1]
+
+
+def change(path, statement, *values):
+    with sqlite3.connect(path) as database:
+        database.execute(statement, values)
+    database.close()
+
+
+def test_items_of_an_earlier_form_are_set_aside(stream, tmp_path, monkeypatch, caplog):
+    graph = Graph(stream, tmp_path / "kept").show(0, 1)
+    graph.kill()
+    monkeypatch.setattr("sceneq_nodes._view_store.FORM", 2)
+    graph.start()
+    assert "items of form 1, this version reads 2; set aside as" in caplog.text
+    assert graph.bus.counters["store_damaged"] == 1
+    assert (tmp_path / "kept" / "views.sqlite.corrupt").exists()
+    graph.show(2)
+    graph.kill()
+    graph.start()
+    assert graph.bus.counters["store_damaged"] == 0
+
+
+def test_items_of_a_later_form_are_left_alone(stream, tmp_path, caplog):
+    graph = Graph(stream, tmp_path / "kept").show(0)
+    graph.kill()
+    change(tmp_path / "kept" / "views.sqlite", "DELETE FROM item WHERE kind = 'form'")
+    change(tmp_path / "kept" / "views.sqlite", "INSERT INTO item VALUES ('form', 7, '', 0)")
+    graph.start()
+    assert graph.bus.counters["store_failed"] == 1
+    assert "items of form 7, this version knows 1 at most" in caplog.text
+    assert not (tmp_path / "kept" / "views.sqlite.corrupt").exists()
+
+
+@pytest.mark.parametrize("missing", ["sightings", "concerned", "archive"])
+def test_what_another_version_kept_is_set_aside(stream, tmp_path, caplog, missing):
+    graph = Graph(stream, tmp_path / "kept").show(0, 1)
+    store = graph.node._store
+    parts = graph.node._selector.parts()
+    del parts[missing]
+    rest = packed(take_apart({"selector": parts, "beside": graph.node._parts()}))
+    store._items.commit(Change((Item("rest", 0, rest),)))
+    graph.kill()
+    graph.start()
+    assert f"its selector differs in {missing}; set aside as" in caplog.text
+    assert graph.view_sets() == []
     graph.recent, graph.told = RecentDeltas(), []
     graph.show(0, 1)
     assert graph.acknowledged() == [0, 1]

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from sceneq_core.mapping.coverage import Coverage
 from sceneq_core.mapping.superpoints import SuperpointChange
 
-from support.film import NO_IDS, Film, ids, touching
+from support.film import NO_IDS, Film, coloured, ids, touching
 
 SUPERPOINTS = 12
 OBJECTS = np.repeat(np.arange(3), 4)
@@ -60,7 +60,7 @@ def test_a_full_pass_changes_nothing_where_things_touch_either(seed, views):
     rng = np.random.default_rng(seed)
     film = Film(SUPERPOINTS, max_rounds=20, views=8)
     for _ in range(views):
-        film.show(imperfect_view(rng), contacts=side_by_side(rng))
+        film.show(imperfect_view(rng), contacts=side_by_side(rng), colours=stuff(rng))
     before = film.groups()
     assert film.association.settle().changed.tolist() == []
     assert film.groups() == before
@@ -75,6 +75,14 @@ def side_by_side(rng):
     return touching(*zip(number[:-1], number[1:], length, unbent, strict=True))
 
 
+def stuff(rng):
+    """Return the colours of some superpoints; two of the three objects are much alike."""
+    lightness = np.array([20, 26, 40])[OBJECTS] + rng.normal(0, 2, SUPERPOINTS)
+    return coloured(
+        **{f"s{s}": lightness[s] for s in np.flatnonzero(rng.random(SUPERPOINTS) < 0.7)}
+    )
+
+
 FOUND = {frozenset(range(4 * k, 4 * k + 4)) for k in range(3)}
 
 
@@ -85,9 +93,9 @@ def films_that_end_right(every):
         rng = np.random.default_rng(seed)
         film = Film(SUPERPOINTS)
         for view in range(30):
-            labels, around = imperfect_view(rng), side_by_side(rng)
+            labels, around, colours = imperfect_view(rng), side_by_side(rng), stuff(rng)
             if view % every == 0:
-                film.show(labels, contacts=around)
+                film.show(labels, contacts=around, colours=colours)
         film.show({})
         found += film.partition() == FOUND
     return found

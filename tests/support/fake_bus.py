@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from string import Formatter
 from typing import Any, NamedTuple
 
-from sceneq_nodes._bus import Context, Handler, Node, Received, Reply, Request
+from sceneq_nodes._bus import Context, ForeignSample, Handler, Node, Received, Reply, Request
 from sceneq_nodes._wire import from_bytes, to_bytes
 from sceneq_schemas.topics import Topic
 
@@ -47,6 +47,7 @@ class FakeBus:
         self._handlers: dict[str, Handler] = {}
         self._answers: dict[str, Answer] = {}
         self._hub = hub
+        self.foreign = FakeForeign()
 
     # what the node calls
 
@@ -140,6 +141,35 @@ class FakeBus:
         names = [name for _, name, _, _ in Formatter().parse(topic.pattern) if name]
         known = {n: getattr(self.context, n) for n in names if hasattr(self.context, n)}
         return {n: v for n, v in (known | dict(ids)).items() if n in names}
+
+
+class FakeForeign:
+    """Keys of others in lists: ``arrive`` is what the network would bring."""
+
+    session_id = "0123456789abcdef0123456789abcdef"
+
+    def __init__(self) -> None:
+        self.listening: dict[str, tuple[Callable[[ForeignSample], None], bool]] = {}
+        self.published: list[ForeignSample] = []
+        self.held: list[str] = []
+
+    def listen(
+        self, selector: str, take: Callable[[ForeignSample], None], *, latched: bool = False
+    ) -> None:
+        self.listening[selector] = (take, latched)
+
+    def publish(self, key: str, payload: bytes, attachment: bytes) -> None:
+        self.published.append(ForeignSample(key, payload, attachment))
+
+    def hold(self, key: str) -> None:
+        self.held.append(key)
+
+    def arrive(self, key: str, payload: bytes, attachment: bytes = b"") -> int:
+        """Hand a sample to whoever listens; return how many did."""
+        takers = [take for selector, (take, _) in self.listening.items() if _covers(selector, key)]
+        for take in takers:
+            take(ForeignSample(key, payload, attachment))
+        return len(takers)
 
 
 class FakeHub:

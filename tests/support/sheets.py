@@ -59,11 +59,9 @@ class Surface:
     def of(self, voxel_id):
         return self.superpoint[voxel_id].astype(np.int32)
 
-    def means(self, voxel_id):
-        return self.points[voxel_id].astype(np.float32), self.colours[voxel_id]
-
-    def normals_world(self, voxel_id):
-        return self.normals[voxel_id]
+    def means_and_normals(self, voxel_id):
+        points = self.points[voxel_id].astype(np.float32)
+        return points, self.colours[voxel_id], self.normals[voxel_id]
 
     def instances(self, up_world):
         """Return an instance per name, ids from 1 in the order of the names."""

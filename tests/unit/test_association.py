@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from sceneq_core.mapping.association_params import AssociationParams
+from sceneq_core.mapping.contacts import NO_CONTACTS
 from sceneq_core.mapping.superpoints import SuperpointChange
 from sceneq_core.mapping.visibility import NOTHING_VISIBLE, visible_superpoints
 
-from support.film import NO_IDS, Film, ids, touching
+from support.film import NO_IDS, Film, coloured, ids, touching
 
 
 def test_one_view_groups_by_segment():
@@ -81,42 +82,65 @@ ONE_BORDER = touching((1, 2, 10, 9))
 CORNER = touching((1, 2, 10, 1))
 
 
-def halves_seen_apart_and_then_as_one(contacts):
-    film = Film()
-    film.show({0: 1, 1: 1, 2: 2, 3: 2}, contacts=contacts)
+ONE_STUFF = coloured(s0=20, s1=20, s2=20, s3=20)
+TWO_STUFFS = coloured(s0=20, s1=20, s2=40, s3=40)
+
+
+def halves_seen_apart_and_then_as_one(contacts, colours):
+    film = Film(contact_views=0.0)
+    film.show({0: 1, 1: 1, 2: 2, 3: 2}, contacts=contacts, colours=colours)
     film.show({0: 1, 1: 1, 2: 1, 3: 1})
     return film
 
 
-def test_after_one_view_of_two_the_border_decides_once_both_are_out_of_view():
-    # In view (1 + 1/2) / (2 + 1) = 0.5 is not above tau_merge; with nine tenths of a view more it
-    # is (1 + 0.9 + 1/2) / (2 + 1 + 1) = 0.6, with a tenth of one (1 + 0.1 + 1/2) / 4 = 0.4.
-    film = halves_seen_apart_and_then_as_one(ONE_BORDER)
+@pytest.mark.parametrize(
+    ("contacts", "colours", "merged"),
+    [
+        (ONE_BORDER, ONE_STUFF, ((1, 0),)),
+        (ONE_BORDER, TWO_STUFFS, ()),
+        (CORNER, ONE_STUFF, ()),
+        (NO_CONTACTS, ONE_STUFF, ()),
+    ],
+)
+def test_after_one_view_of_two_the_looks_decide_once_both_are_out_of_view(
+    contacts, colours, merged
+):
+    # In view (1 + 1/2) / (2 + 1) = 0.5 is not above tau_merge. Three views more say with a kinship
+    # of the root of 0.9 times 1: (1 + 2.85 + 1/2) / (2 + 3 + 1) = 0.72; with the root of 0.1: 0.41.
+    film = halves_seen_apart_and_then_as_one(contacts, colours)
     assert film.groups() == [0, 0, 1, 1]
-    assert film.show({}).merged == ((1, 0),)
-    film = halves_seen_apart_and_then_as_one(CORNER)
-    assert film.show({}).merged == ()
+    assert film.show({}).merged == merged
 
 
-def test_groups_that_no_view_shows_as_one_stay_apart_whatever_their_border():
+def test_one_view_that_shows_two_pieces_of_one_stuff_and_surface_is_overruled():
+    # (0 + 2.85 + 1/2) / (1 + 3 + 1) = 0.67; two views more that show them apart: 0.48.
+    apart = {0: 1, 1: 1, 2: 2, 3: 2}
     film = Film()
-    film.show({0: 1, 1: 1, 2: 2, 3: 2}, contacts=ONE_BORDER)
+    film.show(apart, contacts=ONE_BORDER, colours=ONE_STUFF)
+    assert film.show({}).merged == ((1, 0),)
+    film = Film()
+    film.show(apart, contacts=ONE_BORDER, colours=ONE_STUFF)
+    film.show(apart)
+    film.show(apart)
+    assert film.show({}).merged == ()
+    film = Film()
+    film.show(apart, contacts=ONE_BORDER)
     assert film.show({}).merged == ()
 
 
-def test_a_part_is_let_go_later_where_the_surface_goes_on_into_its_group():
-    def views_until_apart(contacts):
+def test_a_part_is_let_go_later_where_it_looks_like_its_group():
+    def views_until_apart(contacts, colours):
         film = Film()
-        film.show({0: 1, 1: 1, 2: 1, 3: 1}, contacts=contacts)
+        film.show({0: 1, 1: 1, 2: 1, 3: 1}, contacts=contacts, colours=colours)
         for view in range(1, 9):
             if film.show({0: 1, 1: 1, 2: 2, 3: 2}).founded:
                 return view
         return None
 
-    # tau_detach is 0.45: (1 + 1/2) / (3 + 1) = 0.375 is below after two views that disagree with
-    # the first one; with a view more across the border (1 + 0.9 + 1/2) / (4 + 2) = 0.4 after three.
-    assert views_until_apart(CORNER) == 2
-    assert views_until_apart(ONE_BORDER) == 3
+    # tau_detach is 0.45. Superpoints disagree, (1 + 1/2) / (3 + 1) = 0.375, after two views; their
+    # part, with a kinship of 0.95, after five: (1 + 2.85 + 1/2) / (6 + 3 + 1) = 0.435.
+    assert views_until_apart(CORNER, TWO_STUFFS) == 2
+    assert views_until_apart(ONE_BORDER, ONE_STUFF) == 5
 
 
 def test_a_superpoint_that_is_out_of_view_goes_where_most_of_its_border_does():

@@ -180,7 +180,7 @@ def test_laps_go_on_in_time_and_number() -> None:
 
 def test_every_bench_can_be_loaded() -> None:
     assert all(callable(registry.load(name)) for name in registry.BENCHES)
-    assert set(registry.BENCHES) >= registry.NEED_SOURCE
+    assert set(registry.BENCHES) >= registry.NEED_SOURCE | registry.ON_REQUEST
 
 
 def test_frames_a_second_are_over_all_frames() -> None:
@@ -308,7 +308,8 @@ def test_wrong_stages_and_missing_recordings_are_one_line(
     assert (code, out) == (2, "")
     assert err == "sceneq: a folder of frames is needed: --source FOLDER\n"
     assert bench_command._chosen([], None) == ["codec", "bus", "render", "scale"]
-    assert bench_command._chosen([], Path("room")) == list(registry.BENCHES)
+    usual = [name for name in registry.BENCHES if name not in registry.ON_REQUEST]
+    assert bench_command._chosen([], Path("room")) == usual
 
 
 def test_a_question_to_many_instances_stands_beside_the_product(

@@ -118,11 +118,21 @@ def test_an_empty_map_surely_has_none():
     assert (answer.status, answer.p_right, answer.matches) == ("not_found", 1.0, ())
 
 
-def test_a_reasoner_gets_things_of_a_kind_at_the_temperature_of_the_evidence():
-    warm = calibrated(replace(NULL, temperature=0.4))  # the encoder has T 0.1
-    problem = route("the chair near the box", warm).problem
-    targets = [one.p for one in problem.candidates if one.role == "target"]
-    meant = [match.p for match in route("chair", warm).answer.matches[: len(targets)]]
-    assert targets[0] / targets[-1] == pytest.approx((meant[0] / meant[-1]) ** 0.25)
-    alone = route("chair", warm).problem.candidates
+def test_a_reasoner_gets_how_probably_each_is_of_the_kind_that_is_named():
+    problem = route("the chair near the box").problem
+    kind = {one.instance_id: one.p for one in problem.candidates if one.role == "target"}
+    chairs = [kind.pop(instance_id) for instance_id in ids("chair")]
+    assert min(chairs) > 0.8  # of three chairs each is one, and no less because of the others
+    assert max(kind.values()) < 0.05
+    alone = route("chair").problem.candidates
+    meant = [match.p for match in route("chair").answer.matches]
     assert alone[0].p / alone[1].p == pytest.approx(meant[0] / meant[1])
+    assert sum(one.p for one in alone) <= 1.0
+
+
+def test_the_temperature_of_the_evidence_is_not_that_of_the_kind():
+    warm = calibrated(replace(NULL, temperature=0.4))  # the encoder has T 0.1
+    same = [route("the chair near the box", one).problem.candidates for one in (ROUTER, warm)]
+    assert [one.p for one in same[0]] == [one.p for one in same[1]]
+    told = [route("chair", one).answer.presence for one in (ROUTER, warm)]
+    assert told[1] < told[0]

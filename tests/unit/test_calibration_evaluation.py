@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 
 from sceneq_core.routing.gate import GateParams
 from sceneq_core.routing.labels import Labeller, custom
+from sceneq_tools.evaluation import calibration_fit
+from sceneq_tools.evaluation.absent_names import absent_names
 from sceneq_tools.evaluation.calibration import (
     Scene,
     evaluate_calibration,
@@ -52,6 +55,11 @@ SCENES = [Scene(Questioned(Path("room"), THINGS, QUERIES, "f" * 64), HERE)]
 @pytest.fixture(autouse=True)
 def _own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+
+@pytest.fixture(autouse=True)
+def _few_absent_names(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(calibration_fit, "absent_names", partial(absent_names, many=6))
 
 
 def setup():
@@ -149,6 +157,20 @@ def test_the_temperature_is_the_least_of_a_scan():
     for factor in (0.7, 0.9, 1.1, 1.4):
         other = replace(best.calibration, temperature=best.calibration.temperature * factor)
         assert evaluate_calibration(SCENES, setup().with_calibration(other)).tasks[3].nll >= nll
+
+
+def test_maps_without_a_right_instance_make_it_less_sure():
+    lost = [replace(SCENES[0], candidates=replace(HERE, matches={"IoU >= 0.25": {}}))]
+    alone, both = (fit(SCENES, setup(), QUESTIONS, some) for some in ([], lost))
+    assert both.calibration.sha256 == alone.calibration.sha256  # the questions are the same
+    assert both.after.recordings == ("room",)  # measured on true instances only
+    sure, unsure = (guess_of("lamp", one.calibration).p_null for one in (alone, both))
+    assert sure < 0.1 < 0.3 < unsure
+
+
+def guess_of(text, calibration):
+    asked = setup().with_calibration(calibration).router
+    return question_guesses(asked, HERE, [Query(text, "absent", frozenset())])[0]
 
 
 def test_nothing_to_fit_to_is_said():

@@ -88,7 +88,7 @@ def test_a_file_that_is_missing_or_no_object_is_named(tmp_path):
     with pytest.raises(ValueError, match=r"calibration\.json: format"):
         read_calibration(write(tmp_path, [1]))
     (tmp_path / "broken.json").write_text("{")
-    with pytest.raises(ValueError, match=r"broken\.json: Expecting"):
+    with pytest.raises(ValueError, match=r"broken\.json: not JSON: Expecting"):
         read_calibration(tmp_path / "broken.json")
 
 

@@ -177,7 +177,8 @@ def test_a_busy_scene_is_asked_again(run: Callable[..., Outcome], bus: FakeClien
     busy: Result = ([], [QueryError("busy", "full", "", 1)])
     bus.script["sceneq/query/room/ask"][:0] = [busy, busy]
     assert run("ask", "mug")[0] == 0
-    bus.script = {"sceneq/query/room/ask": [busy]}
+    for_long: Result = ([], [QueryError("busy", "full", "", 120_000)])
+    bus.script = {"sceneq/query/room/ask": [for_long]}
     code, _, err = run("ask", "mug", "--scene", "room")
     assert (code, err) == (1, "sceneq: busy: full\n")
 
@@ -264,9 +265,11 @@ def test_an_empty_router_is_no_graph(run: Callable[..., Outcome], bus: FakeClien
 
 
 def test_options_about_the_source_go_over_the_graph(tmp_path: Path) -> None:
+    (tmp_path / "frame-000000.color.png").touch()
     given = source_overrides(tmp_path, "room", 30.0, 2, True, True, "files")
     assert [(o.kind, *o.path, o.value, o.option) for o in given] == [
         ("", "scene", "room", "--scene"),
+        ("ingest", "source", "kind", "folder", "--source"),
         ("ingest", "source", "path", str(tmp_path), "--source"),
         ("ingest", "source", "step", 2, "--step"),
         ("ingest", "source", "loop", True, "--loop"),

@@ -10,7 +10,7 @@ from sceneq_core.mapping.surface import SurfacePoints
 from sceneq_core.mapping.visibility import Visible
 from sceneq_core.mapping.voxels import Voxels
 
-from support.film import NO_CHANGE, NO_IDS, ids, touching
+from support.film import NO_CHANGE, NO_IDS, coloured, ids, touching
 
 NONE_SEEN = np.zeros(0, np.int64)
 
@@ -81,8 +81,7 @@ def test_borders_add_up_over_superpoints_and_keyframes():
     borders = neighbourhood.borders(ids(7, 7, 8, 8))
     # Between 7 and 8: lengths 4 + 4 + 2, unbent 4 + 0 + 1. Inside 8 there is no border.
     assert borders.openness(ids(7, 8, 7), ids(8, 7, 9)).tolist() == [0.5, 0.5, 0.0]
-    # Superpoint 3 as a part of its own: 9 of 9 towards the rest of its group.
-    assert borders.openness_of_parts(ids(3), np.array([0]), ids(8)).tolist() == [1.0]
+    assert [pair.tolist() for pair in borders.meeting()] == [[7], [8]]
 
 
 def test_a_superpoint_borders_on_groups_by_shares_of_all_its_border():
@@ -113,3 +112,14 @@ def test_what_borders_on_something_that_moved_is_disturbed_until_it_is_looked_at
     assert neighbourhood.disturbed().tolist() == [2]
     neighbourhood.calm()
     assert neighbourhood.disturbed().tolist() == []
+
+
+def test_kinship_is_the_root_of_open_border_times_common_colours():
+    neighbourhood = followed(touching((0, 1, 10, 4), (1, 2, 10, 0)))
+    alike = coloured(s0=20, s1=20, s2=20)
+    neighbourhood.follow(NO_CHANGE, Visible(NO_IDS, NO_IDS, NONE_SEEN, colours=alike))
+    borders = neighbourhood.borders(ids(0, 1, 2, 3))
+    found = borders.kinship(ids(0, 1, 0), ids(1, 2, 3))
+    np.testing.assert_allclose(found, [np.sqrt(0.4), 0.0, 0.0])
+    parts = borders.kinship_of_parts(ids(1), np.array([0]), ids(0), np.array([True]))
+    np.testing.assert_allclose(parts, [np.sqrt(0.4)])

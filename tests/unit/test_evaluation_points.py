@@ -99,6 +99,19 @@ def test_of_a_scene_that_changes_the_end_counts(tmp_path: Path) -> None:
     assert len(unseen) == 0
 
 
+def test_only_every_stepth_frame_tells_the_truth(tmp_path: Path) -> None:
+    frames = [halves(SOFA, WALL), halves(WALL, SOFA), halves(WALL, SOFA)]
+    folder = write_rendered(tmp_path / "room", frames)
+    assert at(read_rendered(folder, EVERY), -1) == {0}
+    truth = read_rendered(folder, EVERY, step=3)
+    assert (at(truth, -1), at(truth, 1)) == ({SOFA}, {0})
+    assert truth.source.endswith("step 3)")
+    codes = tmp_path / "codes.txt"
+    codes.write_text("1001\n")
+    with pytest.raises(UserError, match="a step of 2 needs the frames"):
+        read_truth(codes, step=2)
+
+
 def test_the_majority_wins_and_the_lowest_number_among_equals(tmp_path: Path) -> None:
     frames = [halves(SOFA, SOFA)] * 2 + [halves(WALL, CHAIR)] * 2
     truth = read_rendered(write_rendered(tmp_path / "room", frames), EVERY)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sceneq_nodes._bus import QueryError, Reply, Request
-from sceneq_nodes._follow import RETRY_S, Follower
+from sceneq_nodes._follow import QUIET_S, RETRY_S, Follower, Pull
 from sceneq_schemas.codec import encode
 from sceneq_schemas.map import MapDelta, MapDeltas
 from sceneq_schemas.topics import (
@@ -270,11 +270,16 @@ class Journal:
 class MapReader:
     """Keeps the numbers of the deltas applied."""
 
-    def __init__(self, bus: FakeBus, have: tuple[int, int] | None = None) -> None:
+    def __init__(
+        self, bus: FakeBus, have: tuple[int, int] | None = None, pull: Pull | None = None
+    ) -> None:
+        self.now = 0.0
         self.seqs: list[int] = []
         self.follower = Follower(
             *(bus, MAP_DELTA, MAP_SNAPSHOT, lambda delta: self.seqs.append(delta.seq)),
+            clock=lambda: self.now,
             journal_topic=MAP_JOURNAL,
+            pull=pull,
             have=have,
             scene="room",
         )
@@ -290,7 +295,8 @@ def test_a_gap_is_healed_delta_by_delta_where_the_writer_knows_them(bus: FakeBus
     assert reader.seqs == [4, 5]
     assert (reader.follower.epoch, reader.follower.seq) == (writer.epoch, 5)
     assert reader.follower.synced
-    assert journal.asked == [{"epoch": str(writer.epoch), "after": "3"}]
+    where = {"epoch": str(writer.epoch), "after": "3", "merged": "1", "page": "0"}
+    assert journal.asked == [where]
 
 
 def test_who_begins_follows_from_the_very_beginning(bus: FakeBus) -> None:
@@ -313,3 +319,44 @@ def test_what_the_writer_forgot_is_healed_by_the_whole(bus: FakeBus) -> None:
     reader = MapReader(bus, have=(writer.epoch, 1))
     assert reader.seqs == [5]
     assert reader.follower.synced
+
+
+def test_a_last_delta_that_was_lost_is_found_when_nothing_follows(bus: FakeBus) -> None:
+    writer = Writer()
+    writer.write()
+    Journal(bus, writer, first=0)
+    reader = MapReader(bus, have=(writer.epoch, 0))
+    writer.write()
+    reader.now += QUIET_S - 0.1
+    reader.follower.tick()
+    assert reader.seqs == [1]
+    reader.now += 0.1
+    reader.follower.tick()
+    assert reader.seqs == [1, 2]
+    assert reader.follower.resyncs == 0
+
+
+def test_over_a_thin_link_changes_are_asked_for_now_and_then(bus: FakeBus) -> None:
+    writer = Writer()
+    writer.write()
+    journal = Journal(bus, writer, first=0)
+    reader = MapReader(bus, have=(0, 0), pull=Pull(every_s=5.0, mbit_s=1000.0))
+    assert bus.subscriptions == {}
+    for _ in range(3):
+        writer.write()
+        reader.now += 2.0
+        reader.follower.tick()
+    assert reader.seqs == [1, 2, 3, 4]
+    assert [one["after"] for one in journal.asked] == ["0", "1"]
+
+
+def test_a_thin_link_that_is_cut_is_told(bus: FakeBus) -> None:
+    writer = Writer()
+    writer.write()
+    Journal(bus, writer, first=0)
+    reader = MapReader(bus, have=(0, 0), pull=Pull(every_s=5.0, mbit_s=1000.0))
+    assert reader.follower.synced
+    bus.answer(MAP_JOURNAL, lambda _: None)
+    reader.now += 5.0
+    reader.follower.tick()
+    assert not reader.follower.synced

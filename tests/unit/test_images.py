@@ -102,7 +102,7 @@ def test_a_cut_jpeg_is_a_decode_error():
         array_from_image(replace(image, data=image.data[: len(image.data) // 2]))
 
 
-@pytest.mark.parametrize("depth_codec", ["raw", "zstd"])
+@pytest.mark.parametrize("depth_codec", ["raw", "zstd", "delta"])
 def test_a_frame_survives(frame, depth_codec):
     back = frame_from_message(frame_message(frame, "raw", depth_codec))
     assert (back.seq, back.stamp_ns) == (7, 123)

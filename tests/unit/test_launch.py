@@ -63,7 +63,7 @@ def test_durable_files_lie_in_a_folder_of_the_scene(environment: dict[str, str])
 
 def test_the_router(environment: dict[str, str]) -> None:
     assert read_launch(["router"], environment) == RouterLaunch(
-        ["tcp/0.0.0.0:7000"], ["tcp/server:7447"]
+        ["tcp/0.0.0.0:7000"], ["tcp/server:7447"], scene="kitchen"
     )
     assert read_launch(["router"], {}) == RouterLaunch(["tcp/127.0.0.1:7447"], ())
     alone = read_launch(["router", "--endpoint", "tcp/127.0.0.1:1"], {})

@@ -148,3 +148,20 @@ def test_an_event_is_one_line_without_colours_off_a_terminal() -> None:
     Console(stream).say("mapping", "two\nlines", "bad")
     assert stream.getvalue().endswith(" mapping      two lines\n")
     assert stream.getvalue().count("\n") == 1
+
+
+def test_warnings_in_json_are_forwarded_too(tmp_path: Path) -> None:
+    stream = io.StringIO()
+    troubles = Troubles(tmp_path, ["views"], Console(stream))
+    (tmp_path / "views.log").write_text(
+        '{"level": "INFO", "message": "ready"}\n'
+        '{"level": "WARNING", "node": "views", "message": "frame 7: skipped", "seq": 7}\n'
+        '{"level": "ERROR", "message": "step failed", "error": "Traceback\\nKeyError: 3"}\n'
+        "{ no object\n"
+    )
+    troubles.forward()
+    troubles.close()
+    assert [line[22:] for line in stream.getvalue().splitlines()] == [
+        "WARNING frame 7: skipped",
+        "ERROR step failed: KeyError: 3",
+    ]

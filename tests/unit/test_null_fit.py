@@ -38,6 +38,16 @@ def test_a_few_questions_without_a_mistake_do_not_make_it_infinitely_sure():
     assert 0.01 < p[4] < p[3] < 0.35
 
 
+def test_a_question_may_count_as_much_as_several():
+    rows, present = SEEN[:60], PRESENT[:60]
+    counts = 1.0 + np.arange(60) % 3
+    often = np.repeat(np.arange(60), counts.astype(int))
+    weights, loss = fit_logistic(rows, present, counts)
+    expected, expected_loss = fit_logistic(rows[often], present[often])
+    assert weights == pytest.approx(expected, abs=1e-3)
+    assert loss == pytest.approx(expected_loss)
+
+
 def test_evidence_that_misleads_is_not_used():
     weights, _ = fit_logistic(-SEEN, PRESENT)
     assert weights[:2].tolist() == [0.0, 0.0]

@@ -11,6 +11,7 @@ from sceneq_core.mapping.digest import map_digest
 from sceneq_core.mapping.mapper import Mapper
 from sceneq_core.mapping.quarantine import Quarantine, QuarantineParams
 from sceneq_core.mapping.replica import MapReplica
+from sceneq_core.visits import seq_in_scene
 
 from support.room import THINGS, Room
 from support.surfaces import SMALL, room_frames
@@ -69,6 +70,22 @@ def fed(views, params=DEFAULT):
         if admission.reason:
             reasons[frame.seq] = admission.reason
     return inside, reasons
+
+
+def test_two_robots_are_not_one_that_leaps_to_and_fro():
+    """Taken for one camera, going from one room to the other and back would be jumps."""
+    ends = [(view, with_pose(view, shifted(10.0))) for view in VIEWS[:5]]
+    as_one = [
+        (replace(frame, seq=n, stamp_ns=n * 50_000_000), labels)
+        for n, (frame, labels) in enumerate(view for pair in ends for view in pair)
+    ]
+    as_two = [
+        (replace(frame, seq=seq_in_scene(n % 2, n)), labels)
+        for n, (frame, labels) in enumerate(as_one)
+    ]
+    assert fed(as_one)[1]
+    inside, reasons = fed(as_two)
+    assert (len(inside), reasons) == (len(as_two), {})
 
 
 def test_a_steady_camera_passes():

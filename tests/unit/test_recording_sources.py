@@ -71,7 +71,7 @@ def test_a_frame_is_what_was_written(kind: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", sorted(MADE))
 def test_the_kind_of_a_recording_is_seen_in_its_files(kind: str, tmp_path: Path) -> None:
     assert kind_of(MADE[kind](tmp_path / "scene0000_00")) == kind
-    assert kind_of(write_folder(tmp_path / "plain", [0])) is None
+    assert kind_of(write_folder(tmp_path / "plain", [0])) == "folder"
     assert kind_of(tmp_path / "nowhere") is None
 
 
@@ -82,7 +82,10 @@ def test_a_source_on_the_command_line_brings_its_kind(tmp_path: Path) -> None:
     assert values["source", "kind"] == "tum"
     plain = write_folder(tmp_path / "plain", [0])
     given = source_overrides(plain, None, None, None, False, False, None)
-    assert [override.path for override in given] == [("source", "path")]
+    assert [(override.path, override.value) for override in given] == [
+        (("source", "kind"), "folder"),
+        (("source", "path"), str(plain)),
+    ]
 
 
 def test_extracted_scannet_frames_are_those_of_the_container(tmp_path: Path) -> None:

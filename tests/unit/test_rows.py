@@ -9,12 +9,16 @@ from sceneq_core.mapping.rows import (
     counted,
     distinct,
     first_of_each,
+    first_of_runs,
+    largest_of_runs,
     marked,
     put_rows,
     runs,
+    stable_order,
     with_rows,
 )
-from sceneq_core.vectors import unit_rows
+from sceneq_core.mapping.tally import Tally
+from sceneq_core.vectors import divided, unit_rows
 
 
 def ids(*values):
@@ -80,3 +84,33 @@ def test_keys_are_counted_like_unique_does(keys):
     value, count = counted(np.array(keys, np.int64))
     wanted = np.unique(np.array(keys, np.int64), return_counts=True)
     assert (value.tolist(), count.tolist()) == (wanted[0].tolist(), wanted[1].tolist())
+
+
+@given(st.lists(st.integers(0, 200_000), max_size=40))
+def test_ids_are_ordered_as_a_stable_sort_orders_them(numbers):
+    row_id = np.array(numbers, np.int32)
+    assert stable_order(row_id).tolist() == np.argsort(row_id, kind="stable").tolist()
+
+
+@given(st.lists(st.tuples(st.integers(0, 4), st.integers(0, 3)), max_size=20))
+def test_the_largest_of_each_run_is_the_first_of_the_largest(rows):
+    key, size = np.array(sorted(rows), np.int64).reshape(-1, 2).T
+    size = size[::-1].copy()
+    order = np.lexsort((np.arange(len(key)), -size, key))
+    assert largest_of_runs(key, size).tolist() == first_of_each(order, key).tolist()
+    assert first_of_runs(key).tolist() == np.unique(key, return_index=True)[1].tolist()
+
+
+@given(st.sets(st.tuples(st.integers(0, 9), st.integers(0, 3))), st.sets(st.integers(0, 12)))
+def test_a_tally_finds_the_keys_under_some_prefixes(keys, wanted):
+    tally = Tally()
+    tally.add(np.array([a << 8 | b for a, b in keys], np.int64), np.ones(len(keys), np.int64))
+    row = tally.under(np.array(sorted(wanted), np.int64), 8)
+    expected = [row for row, key in enumerate(tally.key.tolist()) if key >> 8 in wanted]
+    assert row.tolist() == expected
+
+
+def test_rows_are_divided_as_broadcasting_divides_them():
+    rng = np.random.default_rng(3)
+    table, by = rng.normal(size=(50, 10)), rng.uniform(0.1, 9, 50)
+    assert (divided(table[:, 2:5], by) == table[:, 2:5] / by[:, None]).all()

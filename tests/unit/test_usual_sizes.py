@@ -31,6 +31,15 @@ def test_a_thing_as_long_as_a_sofa_is_a_sofa_rather_than_a_mug():
     assert unicorn == 0.0
 
 
+def test_what_is_shorter_than_usual_counts_half_as_far_as_what_is_longer():
+    names = UsualSizes(np.zeros((2, 4)), np.array([[0.25] * 4, [0.5] * 4]))
+    part, larger = (names.evidence(np.array([log, 0, 0, 0])) for log in (-0.6, 0.3))
+    assert part == pytest.approx(larger)
+    lower, higher = (names.evidence(np.array([0, 0, 0, metres])) for metres in (-0.3, 0.3))
+    assert lower == pytest.approx(higher)  # where it stands is no length
+    assert names.evidence(np.zeros(4))[0] > part[0] > names.evidence(np.array([0.6, 0, 0, 0]))[0]
+
+
 def test_names_that_were_never_measured_say_nothing():
     nothing = learn_sizes(NAMES, [])
     assert nothing.evidence(SOFA).tolist() == [0.0, 0.0, 0.0]

@@ -15,7 +15,10 @@ BENCHES: Mapping[str, str] = {
     "laps": "sceneq_tools.bench.laps:laps",
     "query": "sceneq_tools.bench.query:query",
     "scale": "sceneq_tools.bench.scale:scale",
+    "link": "sceneq_tools.bench.link:link",
 }
+ON_REQUEST = frozenset({"link"})
+"""Needs root, and minutes: only when it is named."""
 NEED_SOURCE = frozenset({"stages", "laps", "query"})
 
 

@@ -167,12 +167,14 @@ def evaluate_calibration(scenes: Sequence[Scene], setup: Setup) -> CalibrationRe
     )
 
 
-def questions_of(scenes: Sequence[Scene], router: Router) -> list[Guess]:
-    """Return the guesses of all questions of all scenes."""
+def questions_of(
+    scenes: Sequence[Scene], router: Router, reader: Router | None = None
+) -> list[Guess]:
+    """Return the guesses of all questions of all scenes; ``reader`` as in ``question_guesses``."""
     return [
         guess
         for scene in scenes
-        for guess in question_guesses(router, scene.candidates, scene.questioned.queries)
+        for guess in question_guesses(router, scene.candidates, scene.questioned.queries, reader)
     ]
 
 

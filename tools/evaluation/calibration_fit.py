@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from sceneq_core.arrays import Bool
 from sceneq_core.evaluation.gate_tuning import tune_gate
 from sceneq_core.evaluation.null_fit import fit_null
 from sceneq_core.evaluation.proper_scores import log_loss
 from sceneq_core.evaluation.temperature import fit_temperature
 from sceneq_core.routing.null import Evidence, NullParams
 from sceneq_nodes._calibration import Calibration
+from sceneq_tools.evaluation.absent_names import absent_names
 from sceneq_tools.evaluation.calibration import (
     CalibrationReport,
     Scene,
@@ -23,6 +25,7 @@ from sceneq_tools.evaluation.calibration import (
     questions_of,
 )
 from sceneq_tools.evaluation.calibration_guesses import decisions
+from sceneq_tools.evaluation.retrieval_queries import Questioned
 from sceneq_tools.evaluation.retrieval_setup import Setup
 
 QUESTIONS, LABELS, BOTH = "questions", "labels", "both"
@@ -51,24 +54,26 @@ class Fitted:
         }
 
 
-def fit(scenes: Sequence[Scene], setup: Setup, task: str) -> Fitted:
+def fit(scenes: Sequence[Scene], setup: Setup, task: str, maps: Sequence[Scene] = ()) -> Fitted:
     """Fit T by the mean negative log-likelihood of ``task``, then "none of them", then the gate.
 
     "None of them" is fitted by the likelihood of whether there is a right one, the gate by F1 on
-    questions; ``before`` is without any calibration.
+    questions; ``before`` is without any calibration. ``maps`` are asked the same questions as the
+    true instances in ``scenes``, but name nothing: what a fragment is called has no right answer.
 
     Raises:
         ValueError: nothing in the scenes has a right answer to fit to.
     """
     plain = setup.with_calibration(None)
-    temperature = fit_temperature(lambda t: _loss(scenes, plain, task, t))
+    everything = (*scenes, *maps)
+    temperature = fit_temperature(lambda t: _loss(scenes, maps, plain, task, t))
     warm = replace(
         _untuned(plain, round(temperature, DIGITS)),
         label_set=plain.router.labeller.label_set.name,
         sha256=tuple(scene.questioned.sha256 for scene in scenes),
     )
-    known = replace(warm, null=_null(scenes, plain, warm))
-    asked = questions_of(scenes, plain.with_calibration(known).router)
+    known = replace(warm, null=_null(everything, plain, warm))
+    asked = questions_of(everything, plain.with_calibration(known).router)
     tuned = tune_gate(decisions(asked), known.gate, setup.params.judge.min_claim)
     calibration = replace(known, gate=tuned)
     return Fitted(
@@ -99,28 +104,53 @@ def _untuned(setup: Setup, temperature: float) -> Calibration:
 
 
 def _null(scenes: Sequence[Scene], setup: Setup, warm: Calibration) -> NullParams | None:
-    """Return how probable "none of them" is; ``None`` without questions that tell."""
-    asked = questions_of(scenes, setup.router)
-    present = np.array([one.has_answer for one in asked], np.bool_)
+    """Return how probable "none of them" is; ``None`` without questions that tell.
+
+    Half of what the absent things in the recordings count goes to labels that name nothing there:
+    a few questions are soon learned by heart.
+    """
+    present = _present(scenes, setup)
     if present.all() or not present.any():
         return None
+    more = [replace(one, questioned=_strange(one.questioned, setup)) for one in scenes]
+    strange = _present(more, setup)
+    absent, others = (~present).sum(), len(strange)
+    counts = np.where(present, 1.0, 0.5 if others else 1.0)
+    counts = np.append(counts, np.full(others, 0.5 * absent / max(others, 1)))
 
     def evidence_at(temperature: float) -> list[Evidence]:
         tried = replace(warm, null=NullParams(temperature, 1.0, 1.0, 1.0, 0.0))
         router = setup.with_calibration(tried).router
-        return [one.evidence for one in questions_of(scenes, router)]
+        asked = questions_of((*scenes, *more), router, setup.router)
+        return [one.evidence for one in asked]
 
-    fitted = fit_null(evidence_at, present)
+    fitted = fit_null(evidence_at, np.append(present, strange), counts)
     return NullParams(*(round(value, DIGITS) for value in astuple(fitted)))
 
 
-def _loss(scenes: Sequence[Scene], setup: Setup, task: str, temperature: float) -> float:
+def _present(scenes: Sequence[Scene], setup: Setup) -> Bool:
+    """Return for every question whether there is a right one."""
+    return np.array([one.has_answer for one in questions_of(scenes, setup.router)], np.bool_)
+
+
+def _strange(questioned: Questioned, setup: Setup) -> Questioned:
+    """Return the same room with questions for everything that is not there."""
+    return replace(questioned, queries=absent_names(setup.router, questioned.things))
+
+
+def _loss(
+    scenes: Sequence[Scene],
+    maps: Sequence[Scene],
+    setup: Setup,
+    task: str,
+    temperature: float,
+) -> float:
     """Return the mean over the fitted tasks of their mean losses; NaN when there are none.
 
     Of the questions those count that have a right answer: T is about which one it is.
     """
     router = setup.with_calibration(_untuned(setup, temperature)).router
-    asked = questions_of(scenes, router) if task != LABELS else []
+    asked = questions_of((*scenes, *maps), router, setup.router) if task != LABELS else []
     named = labels_of(scenes, router.labeller) if task != QUESTIONS else []
     parts = ([one for one in part if one.has_answer] for part in (asked, named))
     losses = [np.mean([log_loss(one.p, one.is_right) for one in part]) for part in parts if part]

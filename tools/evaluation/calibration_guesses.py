@@ -58,16 +58,20 @@ class Guess:
 
 
 def question_guesses(
-    router: Router, candidates: Candidates, queries: Iterable[Query]
+    router: Router,
+    candidates: Candidates,
+    queries: Iterable[Query],
+    reader: Router | None = None,
 ) -> list[Guess]:
     """Return for every question the probability of each candidate, and of none, to be meant.
 
     Questions with a relation are left out: the encoder's first guess never decides those.
+    ``reader``: a router of the same words that remembers the questions, when many are tried.
     """
     ids = [one.instance_id for one in candidates.snapshot.instances]
     guesses = []
     for query in queries:
-        question = router.read(query.text)
+        question = (reader or router).read(query.text)
         if question.phrase.constraints or not ids:
             continue
         fit = router.fits(candidates.snapshot, question)[question.phrase.target]

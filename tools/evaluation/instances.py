@@ -28,6 +28,7 @@ class InstancesParams:
         reach_m: how far a map's point may be from the evaluation point that takes its instance.
         constant_score: all instances of a map are equally sure; else the p of their label is it.
         votes: how the evaluation points of a rendered recording are found.
+        truth_step: frames from one that tells the truth to the next; 1 = all of them do.
     """
 
     protocols: tuple[ApProtocol, ...] = tuple(PROTOCOLS.values())
@@ -35,8 +36,11 @@ class InstancesParams:
     reach_m: float = REACH_M
     constant_score: bool = False
     votes: SurfaceVotesParams = field(default_factory=SurfaceVotesParams)
+    truth_step: int = 1
 
     def __post_init__(self) -> None:
+        if self.truth_step < 1:
+            raise ValueError(f"truth_step: expected 1 or more, got {self.truth_step}")
         if self.min_region < 1:
             raise ValueError(f"min_region: expected 1 or more, got {self.min_region}")
         if not self.reach_m > 0:
@@ -86,7 +90,11 @@ def evaluate_instances(
     """
     params = params or InstancesParams()
     read = [
-        (read_prediction(p, params.constant_score), read_truth(t, params.votes)) for p, t in pairs
+        (
+            read_prediction(p, params.constant_score),
+            read_truth(t, params.votes, params.truth_step),
+        )
+        for p, t in pairs
     ]
     return evaluate_scenes(read, params)
 

@@ -50,6 +50,7 @@ def run(
     voxel: Annotated[
         float, typer.Option(metavar="M", help="Spacing of a recording's evaluation points.")
     ] = 0.04,
+    truth_step: Annotated[int, typer.Option(min=1, help="Judge by every Nth frame of GT.")] = 1,
     score: Annotated[
         str, typer.Option(help="Of a map's instances: p of the label, or equal for all.")
     ] = "p",
@@ -77,7 +78,7 @@ def run(
     try:
         protocols = _protocols(protocol, last_overlap)
         votes = SurfaceVotesParams(voxel_m=voxel)
-        params = InstancesParams(protocols, min_region, reach, score == "equal", votes)
+        params = InstancesParams(protocols, min_region, reach, score == "equal", votes, truth_step)
     except ValueError as error:
         raise UserError(str(error), 2) from error
     report = evaluate_instances(scene_pairs(prediction, truth), params)

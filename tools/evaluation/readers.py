@@ -67,16 +67,20 @@ def read_prediction(path: Path, constant_score: bool = False) -> Prediction:
     return read_predicted_text(path)
 
 
-def read_truth(path: Path, votes: SurfaceVotesParams | None = None) -> Truth:
+def read_truth(path: Path, votes: SurfaceVotesParams | None = None, step: int = 1) -> Truth:
     """Return the truth of one scene; ``votes`` says how the points of a recording are found.
 
+    Only what every ``step``-th frame of a rendered recording shows is true of it then.
+
     Raises:
-        UserError: it is missing or malformed.
+        UserError: it is missing or malformed, or has no frames of which to take every ``step``-th.
     """
+    if step > 1 and not is_rendered(path):
+        raise UserError(f"{path}: a step of {step} needs the frames of a rendered recording", 2)
     if path.is_file():
         return read_points_file(path) if path.suffix == POINTS else read_codes(path)
     if is_rendered(path):
-        return read_rendered(path, votes)
+        return read_rendered(path, votes, step=step)
     return read_scannet(path) if is_scannet(path) else read_true_map(path)
 
 

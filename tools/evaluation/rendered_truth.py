@@ -30,16 +30,21 @@ def is_rendered(path: Path) -> bool:
 
 
 def read_rendered(
-    folder: Path, params: SurfaceVotesParams | None = None, before_frame: int | None = None
+    folder: Path,
+    params: SurfaceVotesParams | None = None,
+    before_frame: int | None = None,
+    step: int = 1,
 ) -> Truth:
     """Return the truth at the end of a rendered recording, or just before one of its frames.
+
+    Only every ``step``-th frame votes: the truth about the surface that those show.
 
     Raises:
         UserError: a file that is missing or malformed; it is named.
     """
     things = read_things(folder / THINGS_FILE, before_frame)
     votes = SurfaceVotes(params)
-    source = _open(folder)
+    source = _open(folder, step)
     for raw in source.frames():
         if isinstance(raw, Skipped):
             raise UserError(f"{raw.where}: {raw.reason}", 2)
@@ -49,12 +54,13 @@ def read_rendered(
     points_world, number = votes.points()
     named = {thing.id: thing.names for thing in things if not thing.is_stuff}
     spacing_cm = 100 * votes.params.voxel_m
-    return truth_of_things(points_world, number, named, f"{folder} ({spacing_cm:g} cm)")
+    shown = f", step {step}" if step > 1 else ""
+    return truth_of_things(points_world, number, named, f"{folder} ({spacing_cm:g} cm{shown})")
 
 
-def _open(folder: Path) -> FolderSource:
+def _open(folder: Path, step: int) -> FolderSource:
     try:
-        source = FolderSource(FolderParams(str(folder)))
+        source = FolderSource(FolderParams(str(folder), step=step))
     except ValueError as error:
         raise UserError(str(error), 2) from error
     if not source.has_poses:

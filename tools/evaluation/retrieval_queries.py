@@ -11,7 +11,8 @@ from sceneq_tools.errors import UserError
 from sceneq_tools.evaluation.true_things import THINGS_FILE, TrueThing, read_things
 
 QUERIES_FILE = "queries.json"
-BUCKETS = ("category", "attribute", "spatial", "affordance", "absent")
+ABSENT = "absent"
+BUCKETS = ("category", "attribute", "spatial", "affordance", ABSENT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +83,6 @@ def _query(path: Path, place: int, record: Mapping[str, Any], ids: Mapping[str, 
         raise UserError(f"{where}: {problem} ({THINGS_FILE} names the things)", 2) from error
     except TypeError as error:
         raise UserError(f"{where}: {error}", 2) from error
-    if bool(targets) == (bucket == "absent"):
+    if bool(targets) == (bucket == ABSENT):
         raise UserError(f"{where}: targets: a question has none exactly if it is 'absent'", 2)
     return Query(text, bucket, targets)

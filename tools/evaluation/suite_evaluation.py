@@ -7,6 +7,7 @@ from typing import Any
 from sceneq_tools.evaluation.ablation import evaluate_ablation
 from sceneq_tools.evaluation.calibration import evaluate_calibration
 from sceneq_tools.evaluation.calibration_fit import QUESTIONS, Fitted, fit
+from sceneq_tools.evaluation.calibration_maps import of_map
 from sceneq_tools.evaluation.instances import InstancesParams, evaluate_scenes
 from sceneq_tools.evaluation.retrieval import merged
 from sceneq_tools.evaluation.retrieval_setup import Setup
@@ -72,7 +73,8 @@ def evaluate(scenes: Sequence[SuiteScene], setup: Setup) -> Evaluation:
 
 
 def _fitted(scenes: Sequence[SuiteScene], setup: Setup) -> Fitted | None:
-    return fit(_plain(scenes), setup, QUESTIONS) if scenes else None
+    maps = [of_map(one.questioned, one.own) for one in scenes]
+    return fit(_plain(scenes), setup, QUESTIONS, maps) if scenes else None
 
 
 def _askable(scenes: Iterable[SuiteScene], setting: str) -> list[SuiteScene]:

@@ -1,0 +1,1 @@
+"""Recordings in the layouts of other programs: one source a layout."""

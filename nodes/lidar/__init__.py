@@ -1,0 +1,1 @@
+"""A LiDAR with a colour camera beside it."""

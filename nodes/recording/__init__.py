@@ -1,0 +1,1 @@
+"""A run of the graph in one MCAP file, and bags of others: written, and read as a source."""

@@ -1,0 +1,1 @@
+"""Faults on purpose: each scenario harms a running graph and looks at what was lost."""
