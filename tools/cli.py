@@ -30,7 +30,9 @@ app = typer.Typer(
 def main() -> None:
     """Run one command; whatever its user can mend is told in one line on stderr."""
     from sceneq_tools.errors import UserError
+    from sceneq_tools.threads import use_one_thread
 
+    use_one_thread()
     try:
         code = app(standalone_mode=False)
     except UserError as error:

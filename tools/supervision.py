@@ -15,20 +15,13 @@ from pathlib import Path
 from typing import Any
 
 from sceneq_tools.errors import UserError
+from sceneq_tools.threads import ONE_THREAD
 
 RPC_TIMEOUT_S = 2.0
 START_TIMEOUT_S = 10.0
 STOP_TIMEOUT_S = 4.5
 FATAL, EXITED, STOPPED, BACKOFF = "FATAL", "EXITED", "STOPPED", "BACKOFF"
-ONE_THREAD = {
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
-    "NUMEXPR_NUM_THREADS": "1",
-    "OPENCV_FOR_THREADS_NUM": "1",
-}
 BUS_LOG = {"RUST_LOG": "error"}
-"""Seven processes share the cores; pools of one thread per core in each would fight for them."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -97,8 +97,7 @@ def _wait_until_still(graph: LiveGraph) -> None:
     """Wait until what waited in the inboxes has gone its way, and nothing follows."""
     newest, since_s = None, time.monotonic()
     while time.monotonic() - since_s < STILL_S:
-        nodes = graph.heard()
-        waiting = sum(nodes[name].waiting for name in ("segmentation", "mapping", "views"))
+        waiting = sum(node.waiting for node in graph.heard().values())
         now = graph.value("mapping", "frame_seq")
         if waiting or now != newest:
             newest, since_s = now, time.monotonic()
