@@ -16,10 +16,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from sceneq_core.mapping.replica import MapReplica
 from sceneq_nodes._bus import Bus, Context, Received
-from sceneq_nodes._convert import map_delta_from_message
-from sceneq_nodes._follow import Follower
+from sceneq_nodes._followed_map import FollowedMap
 from sceneq_nodes.web.app import Pages, application
 from sceneq_nodes.web.cloud import cloud_bytes
 from sceneq_nodes.web.desk import Desk
@@ -85,13 +83,14 @@ class Gateway:
     def __init__(self, params: GatewayParams, context: Context) -> None:
         self._params = params
         self._context = context
-        self._replica, self._revision = MapReplica(), "0:0"
+        self._revision = "0:0"
         self._lock = threading.Lock()
         self._hub = Hub(params.max_listeners)
 
     def open(self, bus: Bus) -> None:
         """Listen on both sides; raise ``ValueError`` when the port cannot be had."""
         self._bus, params = bus, self._params
+        self._map = FollowedMap(bus, self._context.scene, self._tell, self._lock)
         desk = Desk(bus, self._context.scene, params.timeout_s)
         app = application(
             Pages(desk, self._hub, self._cloud), params.access(os.environ.get(TOKEN_VARIABLE, ""))
@@ -99,11 +98,6 @@ class Gateway:
         self._server = WebServer(app, params.host, params.port, params.max_connections, params.tls)
         port = self._server.open()
         bus.subscribe(topics.HEALTH, depth=HEALTH_DEPTH)
-        self._map = Follower(
-            *(bus, topics.MAP_DELTA, topics.MAP_SNAPSHOT, self._follow),
-            journal_topic=topics.MAP_JOURNAL,
-            scene=self._context.scene,
-        )
         self._map.open()
         scheme = "https" if params.tls else "http"
         log.warning("open %s://%s:%d in a browser", scheme, params.host, port)
@@ -123,22 +117,15 @@ class Gateway:
         """Stop answering the web."""
         self._server.close()
 
-    def _follow(self, delta: MapDelta) -> None:
-        try:
-            with self._lock:
-                self._replica.apply(map_delta_from_message(delta))
-                self._revision = f"{delta.epoch}:{delta.seq}"
-        except ValueError as error:
-            self._bus.count("map_delta_bad")
-            log.warning("map %d:%d: %s", delta.epoch, delta.seq, error)
-            return
+    def _tell(self, delta: MapDelta) -> None:
+        self._revision = f"{delta.epoch}:{delta.seq}"
         for event in delta.events:
             self._hub.tell({"type": "change", **_change(event)})
         self._hub.tell({"type": "map", "epoch": delta.epoch, "seq": delta.seq})
 
     def _cloud(self) -> tuple[str, bytes]:
         with self._lock:
-            return self._revision, cloud_bytes(self._replica, self._params.max_points)
+            return self._revision, cloud_bytes(self._map.replica, self._params.max_points)
 
 
 def _change(event: Any) -> Mapping[str, Any]:

@@ -19,11 +19,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from sceneq_core.mapping.replica import MapReplica
 from sceneq_nodes._bus import Bus, Context, Received
-from sceneq_nodes._convert import map_delta_from_message
 from sceneq_nodes._epoch import new_epoch
-from sceneq_nodes._follow import Follower
+from sceneq_nodes._followed_map import FollowedMap
 from sceneq_nodes._viewer_asking import Asking
 from sceneq_nodes._viewer_eye import Eyes
 from sceneq_nodes._viewer_layout import live_layout
@@ -86,7 +84,6 @@ class Viewer:
         self._params = params
         self._context = context
         self._clock = clock
-        self._replica = MapReplica()
         self._screen: Screen | None = None
         self._due_s = self._names_due_s = 0.0
         self._map_is_new = self._names_are_old = False
@@ -107,11 +104,7 @@ class Viewer:
         for topic, depth in DEPTHS.items():
             known = {name: ids[name] for name in topic.id_names if name in ids}
             bus.subscribe(topic, depth=depth, **known)
-        self._map = Follower(
-            *(bus, topics.MAP_DELTA, topics.MAP_SNAPSHOT, self._follow),
-            journal_topic=topics.MAP_JOURNAL,
-            scene=context.scene,
-        )
+        self._map = FollowedMap(bus, context.scene, self._note)
         self._map.open()
         if self._params.output.serves:
             log.warning("watch at %s", self._params.output.page)
@@ -137,13 +130,7 @@ class Viewer:
         """End the recording."""
         self._output.close()
 
-    def _follow(self, delta: MapDelta) -> None:
-        try:
-            self._replica.apply(map_delta_from_message(delta))
-        except ValueError as error:
-            self._bus.count("map_delta_bad")
-            log.warning("map %d:%d: %s", delta.epoch, delta.seq, error)
-            return
+    def _note(self, delta: MapDelta) -> None:
         self._map_is_new = self._names_are_old = True
         if self._screen is not None:
             self._screen.reach("map", delta.frame_seq, self._clock())
@@ -192,13 +179,13 @@ class Viewer:
             self._captions = self._asking.captions() or self._captions
             self._names_are_old, self._names_due_s = False, now_s + NAMES_S
             self._map_is_new = True
-        if self._map_is_new and (eye := self._eyes.look(self._replica)) is not None:
+        if self._map_is_new and (eye := self._eyes.look(self._map.replica)) is not None:
             self._output.arrange(live_layout(self._clouds, eye))
         points = 0
         if self._map_is_new or screen.needs_map(now_s):
-            points = screen.map(self._replica, self._captions, now_s)
+            points = screen.map(self._map.replica, self._captions, now_s)
         self._map_is_new = False
-        self._bus.report(points_logged=points, boxes=len(self._replica.instances))
+        self._bus.report(points_logged=points, boxes=len(self._map.replica.instances))
 
     def _draw_answers(self, screen: Screen) -> None:
         earlier = self._asking.earlier()

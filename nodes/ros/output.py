@@ -16,10 +16,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from sceneq_core.checks import need_at_least, need_positive
-from sceneq_core.mapping.replica import MapReplica
 from sceneq_nodes._bus import Bus, Context, Received, foreign_keys
-from sceneq_nodes._convert import map_delta_from_message
 from sceneq_nodes._follow import Follower
+from sceneq_nodes._followed_map import FollowedMap
 from sceneq_nodes.ros.keys import DIALECTS, topic_path
 from sceneq_nodes.ros.results import CLOUD, DETECTIONS, MARKERS, Name, Results, objects
 from sceneq_nodes.ros.typestore import DISTROS, typestore
@@ -71,7 +70,6 @@ class RosOutput:
         self._params = params
         self._context = context
         self._clock = clock
-        self._replica = MapReplica()
         self._names: dict[int, Name] = {}
         self._is_new = False
         self._sent_s = float("-inf")
@@ -85,7 +83,7 @@ class RosOutput:
         types = {"detections": DETECTIONS, "markers": MARKERS, "cloud": CLOUD}
         published = {f"{params.prefix}/{name}": kind for name, kind in types.items()}
         self._writer = Writer(foreign_keys(bus), store, published, params.domain, params.dialect)
-        self._map = Follower(bus, topics.MAP_DELTA, topics.MAP_SNAPSHOT, self._follow, scene=scene)
+        self._map = FollowedMap(bus, scene, self._note)
         self._labels = Follower(
             bus, topics.LABEL_DELTA, topics.LABEL_SNAPSHOT, self._rename, scene=scene
         )
@@ -103,14 +101,14 @@ class RosOutput:
             self._labels.offer(received.message)
         since_s = self._clock() - self._sent_s
         wait_s = 1.0 / self._params.rate_hz if self._is_new else self._params.repeat_s
-        if since_s >= wait_s and self._replica.frame_seq >= 0:
+        if since_s >= wait_s and self._map.replica.frame_seq >= 0:
             self._publish()
 
     def close(self) -> None:
         """Nothing to release."""
 
     def _publish(self) -> None:
-        prefix, results, replica = self._params.prefix, self._results, self._replica
+        prefix, results, replica = self._params.prefix, self._results, self._map.replica
         self._writer.publish(f"{prefix}/detections", results.detections(replica, self._names))
         self._writer.publish(f"{prefix}/markers", results.markers(replica, self._names))
         self._writer.publish(f"{prefix}/cloud", results.cloud(replica))
@@ -118,13 +116,7 @@ class RosOutput:
         self._bus.count("published")
         self._bus.report(objects=len(objects(replica)), names=len(self._names))
 
-    def _follow(self, delta: MapDelta) -> None:
-        try:
-            self._replica.apply(map_delta_from_message(delta))
-        except ValueError as error:
-            self._bus.count("map_delta_bad")
-            log.warning("map %d:%d: %s", delta.epoch, delta.seq, error)
-            return
+    def _note(self, _: MapDelta) -> None:
         self._is_new = True
 
     def _rename(self, delta: LabelDelta) -> None:
