@@ -13,7 +13,8 @@ from sceneq_tools.graph import Graph, GraphNode
 from sceneq_tools.graph_document import Document
 from sceneq_tools.graph_machines import machine_names
 from sceneq_tools.graph_plan import Plan, plan
-from sceneq_tools.supervision import BUS_LOG, ONE_THREAD
+from sceneq_tools.supervision import BUS_LOG
+from sceneq_tools.threads import ONE_THREAD
 
 GRAPH_FILE = "graph.json"
 STORE = PurePosixPath("/var/lib/sceneq")
