@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sceneq_core.mapping.delta import MapDelta
 from sceneq_core.mapping.replica import MapReplica
 from sceneq_nodes._bus import Reply
 from sceneq_nodes._convert import map_delta_message
@@ -22,6 +21,8 @@ from sceneq_tools.scene_files import (
     read_scene,
 )
 
+from support.true_map import delta
+
 ROWS = {7: np.array([0.6, 0.8], np.float32), 3: np.array([1.0, 0.0], np.float32)}
 
 
@@ -33,7 +34,7 @@ def write(folder: Path, descriptors: Descriptors) -> Path:
 def replica() -> MapReplica:
     """A map without a voxel, which has no picture either."""
     made = MapReplica()
-    made.apply(map_delta())
+    made.apply(delta(full=True))
     return made
 
 
@@ -85,22 +86,4 @@ def test_a_scene_is_gathered_also_when_no_encoder_answers():
 
 
 def map_snapshot() -> bytes:
-    return to_bytes(topics.MAP_SNAPSHOT, map_delta_message(map_delta(), 1, 1))
-
-
-def map_delta() -> MapDelta:
-    none = np.zeros(0, np.int32)
-    return MapDelta(
-        full=True,
-        frame_seq=0,
-        stamp_ns=0,
-        voxel_size_m=0.02,
-        up_world=np.array([0.0, 0.0, 1.0]),
-        voxel_id=none,
-        voxel_coord=np.zeros((0, 3), np.int32),
-        points_world=np.zeros((0, 3), np.float32),
-        rgb=np.zeros((0, 3), np.uint8),
-        superpoint_id=none,
-        removed_voxel_id=none,
-        instances=(),
-    )
+    return to_bytes(topics.MAP_SNAPSHOT, map_delta_message(delta(full=True), 1, 1))
