@@ -37,17 +37,20 @@ lint: setup
 
 # The documents as a site; a broken link fails.
 site: setup
-	@NO_MKDOCS_2_WARNING=1 $(RUN)/mkdocs build --quiet --strict -f deploy/site/mkdocs.yml
+	@NO_MKDOCS_2_WARNING=1 $(RUN)/mkdocs build --strict -f deploy/site/mkdocs.yml
 
 unit: setup
 	$(RUN)/python -m pytest -q -n auto --dist worksteal -m "not integration"
+
+# They wait more than they compute; which of them go together: tests/integration/conftest.py.
+SIDE_BY_SIDE := -n 2 --dist loadgroup --no-loadscope-reorder
 
 # The console's tests need a browser; without one they are skipped and say so.
 browser:
 	@command -v chromium >/dev/null || deploy/apt-install chromium || true
 
 integration: setup browser
-	$(RUN)/python -m pytest -q -m integration
+	$(RUN)/python -m pytest -q -m integration $(SIDE_BY_SIDE) tests/integration
 
 wheel: setup
 	PYTHON=$(RUN)/python .ci/wheel

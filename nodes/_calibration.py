@@ -1,8 +1,9 @@
 """A calibration on disk: temperature, "none of them" and thresholds that fit one encoder.
 
 A JSON object with ``format``, ``encoder`` (the model id it was fitted for), ``temperature``,
-``null`` (``NullParams``, or null where the data had nothing absent), ``gate`` (the four
-thresholds), ``label_set``, ``sha256`` of the data, and whatever else its writer tells.
+``null`` (``NullParams``, or null where the data had nothing absent), ``null_described`` (the same
+for words that describe a thing, null = as for names), ``gate`` (the four thresholds),
+``label_set``, ``sha256`` of the data, and whatever else its writer tells.
 """
 
 import hashlib
@@ -21,7 +22,12 @@ from sceneq_core.routing.null import NullParams
 from sceneq_core.routing.router import RouterParams
 from sceneq_nodes._json_fields import parse
 
-FORMAT, FORMER = "sceneq.calibration.v2", "sceneq.calibration.v1"
+FORMAT = "sceneq.calibration.v3"
+FORMER = {
+    "sceneq.calibration.v1": "knows no 'none of them'",
+    "sceneq.calibration.v2": "does not tell what is named from what is described",
+}
+"""Formats that are no longer read, and what they lack."""
 NO_CALIBRATION = "none"
 MAKE = "sceneq calibrate"
 
@@ -30,7 +36,8 @@ MAKE = "sceneq calibrate"
 class Calibration:
     """``temperature`` T of softmax(s / T), ``null`` and ``gate``, fitted for ``encoder``.
 
-    ``null``: how probable "none of them" is; ``None`` = the data did not tell. ``label_set``: what
+    ``null``: how probable "none of them" is; ``None`` = the data did not tell. ``null_described``:
+    the same where words describe a thing, ``None`` = as where they name it. ``label_set``: what
     the words competed with. ``sha256`` names the data it was fitted on, one digest a recording.
     """
 
@@ -40,6 +47,7 @@ class Calibration:
     null: NullParams | None = None
     label_set: str = ""
     sha256: tuple[str, ...] = ()
+    null_described: NullParams | None = None
 
     def __post_init__(self) -> None:
         need_positive(self, "temperature")
@@ -51,6 +59,7 @@ class Calibration:
             "encoder": self.encoder,
             "temperature": self.temperature,
             "null": asdict(self.null) if self.null else None,
+            "null_described": asdict(self.null_described) if self.null_described else None,
             "gate": asdict(self.gate),
             "label_set": self.label_set,
             "sha256": list(self.sha256),
@@ -64,7 +73,8 @@ class Calibration:
 
     def of_router(self, params: RouterParams) -> RouterParams:
         """Return the parameters of a router with these thresholds and this "none of them"."""
-        return replace(params, judge=replace(params.judge, gate=self.gate), null=self.null)
+        judge = replace(params.judge, gate=self.gate)
+        return replace(params, judge=judge, null=self.null, null_described=self.null_described)
 
     def of_encoder(self, encoder: Encoder) -> Encoder:
         """Return the encoder with this temperature.
@@ -114,10 +124,11 @@ def read_calibration(path: Path) -> Calibration:
 
 
 def _calibration(document: Any) -> Calibration:
-    if not isinstance(document, dict) or document.get("format") not in (FORMAT, FORMER):
+    found = document.get("format") if isinstance(document, dict) else None
+    if isinstance(found, str) and found in FORMER:
+        raise ValueError(f"format: {found!r} {FORMER[found]} (make a new one: {MAKE})")
+    if not isinstance(document, dict) or found != FORMAT:
         raise ValueError(f"format: expected {FORMAT!r} (sceneq calibrate writes one)")
-    if document["format"] == FORMER:
-        raise ValueError(f"format: {FORMER!r} knows no 'none of them' (make a new one: {MAKE})")
     encoder, gate = document.get("encoder"), document.get("gate")
     if not isinstance(encoder, str):
         raise ValueError(f"encoder: expected the id of a model, got {encoder!r}")
@@ -130,19 +141,20 @@ def _calibration(document: Any) -> Calibration:
         encoder=encoder,
         temperature=_number(document, "temperature"),
         gate=GateParams(**_numbers(gate, GateParams, "gate.")),
-        null=_null(document),
+        null=_null(document, "null"),
         label_set=str(document.get("label_set", "")),
         sha256=tuple(map(str, sha256)),
+        null_described=_null(document, "null_described"),
     )
 
 
-def _null(document: Mapping[str, Any]) -> NullParams | None:
-    null = document.get("null", "missing")
+def _null(document: Mapping[str, Any], name: str) -> NullParams | None:
+    null = document.get(name, "missing")
     if null is None:
         return None
     if not isinstance(null, dict):
-        raise ValueError(f"null: expected the numbers of 'none of them', got {null!r}")
-    return NullParams(**_numbers(null, NullParams, "null."))
+        raise ValueError(f"{name}: expected the numbers of 'none of them', got {null!r}")
+    return NullParams(**_numbers(null, NullParams, f"{name}."))
 
 
 def _numbers(values: Mapping[str, Any], cls: type, where: str) -> dict[str, float]:

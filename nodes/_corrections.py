@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from hashlib import sha256
 
 from sceneq_core.arrays import Float64
 from sceneq_core.mapping.correction import Correction
@@ -11,30 +12,45 @@ from sceneq_schemas.frame import Frame
 
 MAX_WAITING = 64
 """More corrections than that for frames still to come are no robot's."""
+REMEMBERED = 4096
+"""So many that came are known when they come again."""
 
 
 class Corrections:
     """Holds a correction back until the frame from which on it holds is next.
 
-    So a map made live equals one made from the recording, however long messages take.
+    So a map made live equals one made from the recording, however long messages take, and however
+    often an odometry that begins anew comes to the same corrections.
     """
 
     def __init__(
-        self, waiting: Iterable[PoseCorrection] = (), poses: Mapping[int, Float64] | None = None
+        self,
+        waiting: Iterable[PoseCorrection] = (),
+        poses: Mapping[int, Float64] | None = None,
+        came: Mapping[int, bytes] | None = None,
     ) -> None:
         """Go on with what ``parts`` of another gave."""
         self._waiting = list(waiting)
         self._poses = dict(poses or {})
+        self._came = dict(came or {})
 
-    def parts(self) -> tuple[list[PoseCorrection], dict[int, Float64]]:
-        """Return the corrections that wait and the newest poses by frame."""
-        return list(self._waiting), dict(self._poses)
+    def parts(self) -> tuple[list[PoseCorrection], dict[int, Float64], dict[int, bytes]]:
+        """Return the corrections that wait, the newest poses by frame, and a digest of the last
+        correction of each frame.
+        """
+        return list(self._waiting), dict(self._poses), dict(self._came)
 
     def offer(self, message: PoseCorrection) -> bool:
-        """Take a correction; tell whether there was room for it."""
+        """Take a correction, unless it came before; tell whether there was room for it."""
+        digest = _digest(message)
+        if self._came.get(message.frame_seq) == digest:
+            return True
         if len(self._waiting) >= MAX_WAITING:
             return False
         self._waiting.append(message)
+        self._came[message.frame_seq] = digest
+        if len(self._came) > REMEMBERED:
+            del self._came[next(iter(self._came))]
         return True
 
     def due(self, frame_seq: int) -> list[PoseCorrection]:
@@ -54,6 +70,12 @@ class Corrections:
         """Return ``frame``, which was on its way meanwhile, with its newest pose."""
         pose = self._poses.get(frame.seq)
         return frame if pose is None else replace(frame, T_world_camera=pose)
+
+
+def _digest(message: PoseCorrection) -> bytes:
+    """Return what tells the poses of a correction from all others."""
+    parts = message.keyframe_seq.tobytes(), message.T_world_camera.tobytes()
+    return sha256(b"".join(parts)).digest()
 
 
 def _is_due(message: PoseCorrection, frame_seq: int) -> bool:

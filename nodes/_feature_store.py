@@ -18,6 +18,8 @@ from sceneq_schemas.view import ViewSet
 log = logging.getLogger(__name__)
 
 INSTANCE, REST = "instance", "rest"
+BESIDE = frozenset({"epoch", "run", "map_epoch", "latest", "view_epoch"})
+"""What the node that keeps them finds beside them when it comes back."""
 FORM = 1
 """To be raised with every change of what the items hold."""
 
@@ -102,6 +104,8 @@ class FeatureStore:
                 self.kept.made_of[item.number] = parts["made_of"]
         if self.kept.descriptors and not beside:
             raise DamageError("the rest is missing")
+        if beside and (missing := BESIDE - beside.keys()):
+            raise DamageError(f"kept by another version: without {', '.join(sorted(missing))}")
         self._beside = beside
         return beside
 

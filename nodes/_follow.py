@@ -14,6 +14,7 @@ from typing import Any
 
 from sceneq_nodes._bus import Bus, QueryError
 from sceneq_nodes._fetch import Fetch
+from sceneq_nodes._recent_deltas import FORGOTTEN
 from sceneq_schemas.errors import DecodeError
 from sceneq_schemas.map import MapDeltas
 from sceneq_schemas.topics import Topic
@@ -67,7 +68,8 @@ class Follower:
         have: tuple[int, int] | None = None,
         **ids: str,
     ) -> None:
-        """``journal_topic`` heals gaps without the whole, and without ``merged`` change by change;
+        """``journal_topic`` heals gaps without the whole, and without ``merged`` change by change:
+        then the whole is asked for only when the writer says that it has forgotten them.
         ``have`` are epoch and seq of the state at hand from an earlier run, (0, 0) = follow from
         the very beginning.
         """
@@ -89,6 +91,12 @@ class Follower:
         self._heard_s = clock()
         self._fetch: Fetch | None = None
         self._asked: tuple[int | None, int] | None = None
+        self._is_forgotten = False
+
+    @property
+    def at(self) -> str:
+        """What is applied, ``epoch:seq``, as its writer reports it."""
+        return f"{self.epoch}:{self.seq}"
 
     @property
     def synced(self) -> bool:
@@ -145,7 +153,7 @@ class Follower:
         if self._clock() < self._next_ask:
             return
         is_healed = self._ask_changes()
-        if is_healed is False:
+        if is_healed is False and self._may_skip():
             is_healed = self._ask_whole()
         if is_healed is None:
             return  # more pages to come
@@ -156,6 +164,10 @@ class Follower:
         elif self._pull is not None:
             self._behind = True
 
+    def _may_skip(self) -> bool:
+        """Tell whether the whole will do; a writer on its way back may still know every change."""
+        return self._merged or self.epoch is None or self._is_forgotten
+
     def _ask_changes(self) -> bool | None:
         """Apply what was missed; tell whether the writer still knew all of it, None = not yet."""
         if self._journal_topic is None or self.epoch is None:
@@ -163,13 +175,17 @@ class Follower:
         if self._fetch is not None and self._asked is None:
             return False  # the whole is on its way
         begun = self._asked if self._fetch is not None else (self.epoch, self.seq)
+        self._is_forgotten = False
         where = {"epoch": str(self.epoch), "after": str(self.seq)}
         if self._merged:
             where["merged"] = "1"
         missed = self._fetched(self._journal_topic, where, begun)
         if self._fetch is not None:
             return None
-        if missed is None or self.epoch not in (0, missed.epoch):
+        if missed is None:
+            return False
+        if self.epoch not in (0, missed.epoch):
+            self._is_forgotten = True
             return False
         if begun != (self.epoch, self.seq):
             return True  # a whole came meanwhile
@@ -199,9 +215,12 @@ class Follower:
             while not fetch.done and self._clock() <= until_s:
                 self._next_page(fetch)
         except (QueryError, DecodeError) as error:
-            self._bus.count(f"{topic.name}_failed")
-            log.warning("%s: no answer: %s", topic.name, error)
             self._fetch = None
+            is_known = isinstance(error, QueryError) and error.code == FORGOTTEN
+            self._is_forgotten = is_known or isinstance(error, DecodeError)
+            if not is_known:
+                self._bus.count(f"{topic.name}_failed")
+                log.warning("%s: no answer: %s", topic.name, error)
             return None
         if fetch.done:
             self._fetch = None

@@ -33,6 +33,7 @@ class NoStore:
     """Stands for a map in memory only."""
 
     first_seq = told_after = 0
+    told_folder = None
 
     def __init__(self) -> None:
         self.epoch = new_epoch()
@@ -79,6 +80,11 @@ class MapStore:
     def first_seq(self) -> int:
         """The number before that of the first delta of this run."""
         return first_seq(self.run)
+
+    @property
+    def told_folder(self) -> Path | None:
+        """Where to keep what is told; nowhere while the map itself is not kept."""
+        return None if self._is_behind else self.folder
 
     def recover(self) -> None:
         """Bring the map to where the last run ended.

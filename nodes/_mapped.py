@@ -162,7 +162,7 @@ class Mapped:
 
     def state(self, **beside: Any) -> State:
         """Return a copy of everything, and what the caller wants to find beside it."""
-        waiting, poses = self._corrections.parts()
+        waiting, poses, came = self._corrections.parts()
         return state_of(
             self.mapper,
             {
@@ -171,6 +171,7 @@ class Mapped:
                 "done": np.array(list(self._done.items()), np.int64).reshape(-1, 2),
                 "corrections": [to_bytes(POSE_CORRECTION, message) for message in waiting],
                 "poses": poses,
+                "corrections_that_came": came,
                 "given": self._given,
                 "visits": json.dumps([visit_json(visit) for visit in self.visits.all()]),
                 "gazetteer": self.gazetteer,
@@ -189,12 +190,13 @@ class Mapped:
             beside: dict[str, Any] = kept["caller"]
             self.newest, self._given = kept["newest"], kept["given"]
             poses, done = kept["poses"], kept["done"].tolist()
+            came = kept.get("corrections_that_came", {})
             visits = Visits(map(visit_from_json, json.loads(kept["visits"])))
             self.gazetteer = kept["gazetteer"]
         except (KeyError, ValueError) as error:
             raise StateError(f"no state of a mapping node: {error}") from error
         self.mapper, self._done = mapper, OrderedDict(done)
-        self._corrections, self.visits = Corrections(waiting, poses), visits
+        self._corrections, self.visits = Corrections(waiting, poses, came), visits
         return beside
 
     def _applied(self, frame_seq: int) -> list[MapDelta]:

@@ -13,10 +13,18 @@ from sceneq_core.state import build
 from sceneq_nodes._checkpoints import Checkpoint, Checkpoints, read
 from sceneq_nodes._database import check_pages, damage_named, open_to_read
 from sceneq_nodes._folder_lock import FolderLock
+from sceneq_nodes._held_frames import (
+    Waiting,
+    check_held,
+    delete_held,
+    held_files,
+    read_waiting,
+)
 from sceneq_nodes._item_store import SCHEMA as ITEMS_SCHEMA
 from sceneq_nodes._item_store import damaged_items
 from sceneq_nodes._journal import SCHEMA as JOURNAL_SCHEMA
 from sceneq_nodes._journal import Entry, Journal
+from sceneq_nodes._kept_deltas import FILE as TOLD
 from sceneq_nodes._map_store import FOLDER, JOURNAL
 from sceneq_nodes._mapped import VISITED
 from sceneq_nodes._set_aside import SUFFIX, DamageError, StoreError
@@ -27,7 +35,10 @@ VIEWS, FEATURES = "views.sqlite", "features-*.sqlite"
 
 @dataclass(frozen=True, slots=True)
 class SceneFacts:
-    """What there is: ``position`` counts what entered the map, from ``first`` on it is kept."""
+    """What there is: ``position`` counts what entered the map, from ``first`` on it is kept.
+
+    ``waiting_keyframes`` of ``waiting_visits`` are not in the map: nobody knows where they belong.
+    """
 
     name: str
     size_bytes: int
@@ -38,6 +49,8 @@ class SceneFacts:
     described: dict[str, int]
     set_aside: tuple[str, ...]
     is_in_use: bool
+    waiting_visits: int = 0
+    waiting_keyframes: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +73,7 @@ class SceneFolder:
         first, last = self._span()
         positions = tuple(checkpoint.position for checkpoint in self._checkpoints())
         models = {_model(path): _count(path, "instance") for path in self._feature_files()}
-        views = self.path / VIEWS
+        views, waiting = self.path / VIEWS, self.waiting()
         return SceneFacts(
             name=self.path.name,
             size_bytes=sum(path.stat().st_size for path in self._files()),
@@ -71,7 +84,22 @@ class SceneFolder:
             described=models,
             set_aside=tuple(sorted(path.name for path in self._set_aside())),
             is_in_use=self._is_in_use(),
+            waiting_visits=len(waiting),
+            waiting_keyframes=sum(one.keyframes for one in waiting),
         )
+
+    def waiting(self) -> list[Waiting]:
+        """Return what visits hold that is not in the map; raise ``StoreError``."""
+        found = []
+        for path in held_files(self.path):
+            with _named(path):
+                found.append(read_waiting(path))
+        return found
+
+    def drop(self, waiting: Waiting) -> None:
+        """Delete what a visit holds; raise ``StoreError`` while the scene is in use."""
+        with self.locked():
+            delete_held(waiting.path)
 
     def verify(self) -> Iterator[Verdict]:
         """Read everything, and yield what comes of each file."""
@@ -79,9 +107,11 @@ class SceneFolder:
             yield _verdict(self.path, checkpoint.path, partial(read, checkpoint))
         if self._journal_path.exists():
             yield _verdict(self.path, self._journal_path, self._read_journal)
-        for path in (self.path / VIEWS, *self._feature_files()):
+        for path in self._item_files():
             if path.exists():
                 yield _verdict(self.path, path, partial(_read_items, path))
+        for path in held_files(self.path):
+            yield _verdict(self.path, path, partial(check_held, path))
 
     def compact(self) -> None:
         """Keep the newest checkpoint that can be read and what came after it, nothing older.
@@ -91,7 +121,7 @@ class SceneFolder:
         """
         with self.locked():
             self._compact_map()
-            for path in (self.path / VIEWS, *self._feature_files()):
+            for path in self._item_files():
                 if path.exists():
                     _vacuum(path, ITEMS_SCHEMA)
             for path in self._set_aside():
@@ -154,6 +184,9 @@ class SceneFolder:
 
     def _feature_files(self) -> list[Path]:
         return sorted(self.path.glob(FEATURES))
+
+    def _item_files(self) -> list[Path]:
+        return [self._map / TOLD, self.path / VIEWS, *self._feature_files()]
 
     def _files(self) -> Iterator[Path]:
         return (path for path in self.path.rglob("*") if path.is_file())

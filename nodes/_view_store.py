@@ -1,6 +1,7 @@
 """Keeps on disk what views has seen: keyframes with their pictures, and what was chosen of them."""
 
 import logging
+import struct
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,6 +18,7 @@ from sceneq_core.views.selector import ViewSelector
 from sceneq_core.views.view import View, ViewSet
 from sceneq_nodes._convert import map_delta_from_message
 from sceneq_nodes._item_store import Change, Item, ItemStore
+from sceneq_nodes._seen_frames import SeenFrames
 from sceneq_nodes._set_aside import DamageError, StoreError
 from sceneq_nodes._state_bytes import packed, unpacked
 from sceneq_schemas.codec import decode, encode
@@ -26,16 +28,18 @@ log = logging.getLogger(__name__)
 
 FILE = "views.sqlite"
 KEYFRAME, VIEWS, PLACES = "keyframe", "views", "places"
-MAP, DELTA, REST = "map", "delta", "rest"
+MAP, DELTA, SEEN, REST = "map", "delta", "seen", "rest"
 FORM = 1
 """To be raised with every change of what the items hold."""
 DELTAS = 32
 """So many changes of the map are kept before it is written whole again."""
 MAX_DELTA_BYTES = 1 << 28
 _ZIP, _UNZIP = zstandard.ZstdCompressor(1), zstandard.ZstdDecompressor()
-
-
-READING = (DamageError, StateError, KeyError, TypeError, ValueError, zstandard.ZstdError)
+_STAMP = struct.Struct("<q")
+READING = (
+    *(DamageError, StateError, KeyError, TypeError, ValueError),
+    *(zstandard.ZstdError, struct.error),
+)
 """How reading fails what is damaged or another version's."""
 
 
@@ -48,11 +52,12 @@ class Kept:
     replica: MapReplica
     view_sets: Sequence[ViewSet]
     selector: Mapping[str, Any]
+    seen: Sequence[tuple[int, int]]
     beside: dict[str, Any] = field(default_factory=dict)
 
 
 class ViewStore:
-    """The durable side of one ``ViewSelector``.
+    """The durable side of one ``ViewSelector``, and of what was ``seen``.
 
     Raises:
         StoreError: the file cannot be used; nothing has been changed.
@@ -62,10 +67,12 @@ class ViewStore:
         self,
         scene_folder: Path,
         selector: ViewSelector,
+        seen: SeenFrames,
         beside: Callable[[], dict[str, Any]],
         count: Callable[[str], None],
     ) -> None:
         self._selector = selector
+        self._seen = seen
         self._beside = beside
         self._stored: dict[int, Keyframe] = {}
         self._views: dict[int, tuple[View, ...]] = {}
@@ -94,6 +101,7 @@ class ViewStore:
         self._stored = {k.seq: k for k in self._selector.archive}
         self._views = {one.instance_id: one.views for one in self._selector.view_sets()}
         self._places = len(kept.place_coords)
+        self._seen.resume(kept.seen)
         return kept.beside
 
     def follow(self, delta: MapDelta) -> None:
@@ -111,10 +119,12 @@ class ViewStore:
         gone += tuple((DELTA, number) for number in old_deltas)
         views = {one.instance_id: one.views for one in self._selector.view_sets()}
         gone += tuple((VIEWS, number) for number in self._views.keys() - views.keys())
+        gone += tuple((SEEN, seq) for seq in self._seen.removed)
         chosen = [n for n in views if not _are_same(views[n], self._views.get(n, ()))]
         put = (
             *map(_keyframe_item, new),
             *(_views_item(number, views[number]) for number in chosen),
+            *map(_seen_item, self._seen.added.items()),
             *self._new_places(),
             *self._new_map(),
             self._rest(),
@@ -122,6 +132,7 @@ class ViewStore:
         self._items.commit(Change(put, gone))
         self._views = views
         self._stored = {keyframe.seq: keyframe for keyframe in archive}
+        self._seen.settle()
 
     def close(self) -> None:
         """Let go of the file."""
@@ -131,6 +142,7 @@ class ViewStore:
         yield from map(_keyframe_item, self._selector.archive)
         for view_set in self._selector.view_sets():
             yield _views_item(view_set.instance_id, view_set.views)
+        yield from map(_seen_item, self._seen.items())
         yield Item(PLACES, 0, _array_bytes(self._selector.places.coords(0)))
         yield self._map_item()
         yield self._rest()
@@ -175,7 +187,8 @@ class ViewStore:
         places = np.concatenate(coords)
         sets = [ViewSet(n, build(unpacked(d))) for (kind, n), d in items.items() if kind == VIEWS]
         self._check_known(rest["selector"], replica)
-        return Kept(keyframes, places, replica, sets, rest["selector"], rest["beside"])
+        seen = [(n, _STAMP.unpack(d)[0]) for (kind, n), d in items.items() if kind == SEEN]
+        return Kept(keyframes, places, replica, sets, rest["selector"], seen, rest["beside"])
 
     def _check_known(self, selector: Mapping[str, Any], replica: MapReplica) -> None:
         """Refuse what another version kept: the selector would fail with it half-way."""
@@ -192,6 +205,7 @@ class ViewStore:
 def open_view_store(
     scene_folder: Path | None,
     selector: ViewSelector,
+    seen: SeenFrames,
     beside: Callable[[], dict[str, Any]],
     count: Callable[[str], None],
 ) -> ViewStore | None:
@@ -203,7 +217,7 @@ def open_view_store(
     if scene_folder is None:
         return None
     try:
-        return ViewStore(scene_folder, selector, beside, count)
+        return ViewStore(scene_folder, selector, seen, beside, count)
     except StoreError as error:
         count("store_failed")
         log.error("%s; views are kept in memory only", error)
@@ -216,6 +230,11 @@ def _reason(error: Exception) -> str:
 
 def _keyframe_item(keyframe: Keyframe) -> Item:
     return Item(KEYFRAME, keyframe.seq, packed(take_apart(keyframe)))
+
+
+def _seen_item(frame: tuple[int, int]) -> Item:
+    seq, stamp_ns = frame
+    return Item(SEEN, seq, _STAMP.pack(stamp_ns))
 
 
 def _views_item(instance_id: int, views: tuple[View, ...]) -> Item:

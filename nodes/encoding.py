@@ -127,10 +127,12 @@ class Encoding:
         """Take over changed view sets; when there are none, describe the next instance."""
         if received is not None:
             self._views.offer(received.message)
+            self._bus.report(views=self._views.at)
             if self._params.at_once > 1:
                 self._ahead.go_on(self._pending)
             return
         self._views.tick()
+        self._bus.report(views=self._views.at)
         deadline_s = time.monotonic() + self._params.turn_s
         while self._pending and self._resume_s <= time.monotonic() <= deadline_s:
             self._describe_next()

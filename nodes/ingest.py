@@ -26,7 +26,8 @@ import numpy as np
 from sceneq_core.ingest.ingestor import Ingested
 from sceneq_core.ingest.pose_graph import PoseGraphParams
 from sceneq_core.ingest.source import RawFrame, Skipped, Waiting
-from sceneq_nodes._arrival import Arrival, ArrivalParams
+from sceneq_nodes._arrival import Arrival
+from sceneq_nodes._arrival_params import ArrivalParams
 from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
 from sceneq_nodes._epoch import new_epoch
 from sceneq_nodes._images import frame_message
@@ -102,6 +103,7 @@ class Ingest:
         self._context = replace(context, robot=params.robot) if params.robot else context
         self._pacer = Pacer(params.rate_hz) if params.rate_hz else None
         self._readers: tuple[int, int] | None = None
+        self._hears = False
         self._frames = self._keyframes = self._replays = 0
         self._state = "waiting"
 
@@ -123,7 +125,7 @@ class Ingest:
         for verb in VERBS:
             bus.serve(CONTROL, self._control, node=self._context.node, verb=verb)
         if self._pacer is None:
-            bus.subscribe(VIEW_DELTA, depth=4 * params.window, scene=self._context.scene)
+            self._hear()
         self._wait_until_s = time.monotonic() + params.wait_s
         self._next_poll_s = 0.0
         self._report("waiting")
@@ -133,6 +135,7 @@ class Ingest:
         now_s = time.monotonic()
         if received is not None:
             self._window.acknowledge(received.message.frame_seq, now_s)
+            self._arrival.acknowledge(received.message.frame_seq)
             self._meet(received.message)
         self._resend(now_s)
         if self._state == "waiting" and self._graph_is_there(now_s):
@@ -172,8 +175,8 @@ class Ingest:
 
         What the map still holds is acknowledged without being integrated again.
         """
-        if not delta.map_epoch:
-            return  # views does not know the map yet
+        if not delta.map_epoch or self._pacer is not None:
+            return  # views does not know the map yet, or frames may be lost
         before, self._readers = self._readers, (delta.epoch, delta.map_epoch)
         lost = before not in (None, self._readers) and self._state in ("playing", "ending")
         if lost and self._replays < self._params.replays:
@@ -194,8 +197,8 @@ class Ingest:
 
     def _play(self, now_s: float) -> bool:
         """Read the next source frame and publish what it gives; tell whether there was one."""
-        if (held := self._arrival.next()) is not None:
-            self._publish(held)
+        if (held := self._next_held()) is not None:
+            self._publish(held, was_held=True)
             return True
         raw = next(self._raw, None)
         if raw is None and not self._arrival.is_releasing:
@@ -214,16 +217,30 @@ class Ingest:
             self._publish(frame)
         return True
 
+    def _hear(self) -> None:
+        """Hear what has come, from the first keyframe on that must not be lost."""
+        if not self._hears:
+            depth, self._hears = 4 * self._params.window, True
+            self._bus.subscribe(VIEW_DELTA, depth=depth, scene=self._context.scene)
+
+    def _next_held(self) -> Ingested | None:
+        """Return a keyframe that was held: it goes as if lossless, for it is nowhere else."""
+        if not self._arrival.is_releasing or not self._window.has_room():
+            return None
+        self._hear()
+        return self._arrival.next()
+
     def _ingest(self, raw: RawFrame) -> Ingested | Skipped:
         if self._ingestor is None:
             self._ingestor = new_ingestor(self._source, self._specs)
         return self._ingestor.ingest(raw)
 
-    def _publish(self, frame: Ingested) -> None:
+    def _publish(self, frame: Ingested, *, was_held: bool = False) -> None:
         self._frames += 1
         is_keyframe = frame.keyframe is not None
         pose = (frame.seq, frame.stamp_ns, frame.T_world_camera, frame.pose_source, is_keyframe)
-        self._bus.publish(POSE, Pose(*pose), robot=self._context.robot)
+        if self._arrival.is_own(frame.seq):  # where a robot is that left is nobody's news
+            self._bus.publish(POSE, Pose(*pose), robot=self._context.robot)
         if frame.corrected:
             self._publish_correction(frame)
         if frame.keyframe is not None:
@@ -234,6 +251,7 @@ class Ingest:
                 first = self._last_seq < 0
                 message = replace(message, after=message.seq if first else self._last_seq)
                 self._last_seq = message.seq
+            if self._pacer is None or was_held:
                 self._window.sent(message.seq, message, time.monotonic())
             self._publish_keyframe(message)
         self._report(self._state)
@@ -241,14 +259,10 @@ class Ingest:
     def _publish_correction(self, frame: Ingested) -> None:
         """Tell, before the keyframe that showed it, which earlier poses were wrong."""
         self._corrections += 1
+        seqs = np.array(list(frame.corrected), np.int64)
+        poses = np.stack(list(frame.corrected.values()))
         correction = PoseCorrection(
-            epoch=self._epoch,
-            seq=self._corrections,
-            full=True,
-            frame_seq=frame.seq,
-            stamp_ns=frame.stamp_ns,
-            keyframe_seq=np.array(list(frame.corrected), np.int64),
-            T_world_camera=np.stack(list(frame.corrected.values())),
+            self._epoch, self._corrections, True, frame.seq, frame.stamp_ns, seqs, poses
         )
         self._bus.publish(POSE_CORRECTION, correction, robot=self._context.robot)
         self._bus.count("corrections")
@@ -268,6 +282,7 @@ class Ingest:
             log.error("keyframe %d lost: sent %d times, no view delta", seq, self._params.tries)
             self._bus.count("frames_lost")
             self._lost.add(seq)
+            self._arrival.give_up(seq)
 
     def _graph_is_there(self, now_s: float) -> bool:
         if now_s < self._next_poll_s:

@@ -35,8 +35,9 @@ from sceneq_core.mapping.delta import MapDelta
 from sceneq_core.mapping.mapper import MapperParams
 from sceneq_core.mapping.proposals import Proposals, ProposalSource
 from sceneq_nodes._backends import build
-from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
+from sceneq_nodes._bus import Bus, Context, QueryError, Received, Reply, Request
 from sceneq_nodes._convert import map_delta_message, proposal_message
+from sceneq_nodes._kept_deltas import open_deltas
 from sceneq_nodes._map_store import open_store
 from sceneq_nodes._mapped import (
     CORRECTION,
@@ -49,7 +50,7 @@ from sceneq_nodes._mapped import (
     refused_bytes,
 )
 from sceneq_nodes._pages import paged
-from sceneq_nodes._recent_deltas import RecentDeltas, journal_reply, wanted_deltas
+from sceneq_nodes._recent_deltas import FORGOTTEN, journal_reply, wanted_deltas
 from sceneq_nodes._store_params import StoreParams
 from sceneq_nodes._visit_desk import VisitDesk
 from sceneq_nodes._wire import to_bytes
@@ -115,7 +116,7 @@ class Mapping:
         self._store = open_store(self._context.store, self._params.store, self._mapped, bus.count)
         self._epoch, self._seq = self._store.epoch, self._store.first_seq
         self._marked = 0
-        self._recent = self._recent_of_last_run()
+        self._recent = open_deltas(self._store, bus.count)
         if (given := source.load()) is not None:
             self._take_given(given)
         context, depth = self._context, self._params.max_waiting
@@ -144,6 +145,7 @@ class Mapping:
 
     def close(self) -> None:
         """Let go of the files of the store."""
+        self._recent.close()
         self._store.close()
 
     def _take_half(self, topic: Topic, message: Frame | Masks) -> None:
@@ -201,11 +203,6 @@ class Mapping:
             message = "frame %d kept out of the map, camera at %s: %s"
             self._warn_once(kind, message, frame.seq, where, delta.quarantined)
         self._report()
-
-    def _recent_of_last_run(self) -> RecentDeltas:
-        store, epoch = self._store, self._epoch
-        again = (map_delta_message(delta, epoch, seq) for seq, delta in store.repeated)
-        return RecentDeltas(store.told_after, store.first_seq, again)
 
     def _report(self) -> None:
         mapper = self._mapped.mapper
@@ -285,13 +282,13 @@ class Mapping:
         message = map_delta_message(snapshot, self._epoch, seq)
         return Reply(to_bytes(MAP_SNAPSHOT, message), MAP_SNAPSHOT.encoding)
 
-    def _journal(self, request: Request) -> Reply | None:
-        """Answer with the deltas beyond ``after``, or with nothing when they are forgotten."""
+    def _journal(self, request: Request) -> Reply:
+        """Answer with the deltas beyond ``after``, or say that they are forgotten."""
         epoch, after = wanted_deltas(request)
         with self._lock:
             deltas, seq = self._recent.after(after), self._seq
         if epoch not in (0, self._epoch) or deltas is None:
-            return None
+            raise QueryError(FORGOTTEN, "not all of these deltas are known", "ask for @snapshot")
         return journal_reply(request, self._epoch, seq, deltas)
 
     def _warn_once(self, kind: str, message: str, *values: Any) -> None:

@@ -52,6 +52,8 @@ from sceneq_schemas.map import MapDelta
 from sceneq_schemas.view import ViewDelta
 
 log = logging.getLogger(__name__)
+HELD = {"map_delta": "map", "view_delta": "views", "feature_delta": "features"}
+"""Under which names the writers of these report how far they are, and so do we."""
 
 
 class Routing:
@@ -97,6 +99,7 @@ class Routing:
                 follower.offer(received.message)
         for follower in list(self._followers.values()):
             follower.tick()
+        self._bus.report(**{HELD[topic]: f.at for (topic, _), f in self._followers.items()})
         self._arrive()
         self._names.tick(self._space.model, self._space.router.namer, self._space.look.snapshot)
 

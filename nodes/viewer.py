@@ -185,7 +185,8 @@ class Viewer:
         if self._map_is_new or screen.needs_map(now_s):
             points = screen.map(self._map.replica, self._captions, now_s)
         self._map_is_new = False
-        self._bus.report(points_logged=points, boxes=len(self._map.replica.instances))
+        boxes = len(self._map.replica.instances)
+        self._bus.report(points_logged=points, boxes=boxes, answer=screen.answer_id)
 
     def _draw_answers(self, screen: Screen) -> None:
         earlier = self._asking.earlier()

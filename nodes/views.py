@@ -10,26 +10,28 @@ Rate    as the map changes, about 3 Hz; STATE delivery, gaps are healed from the
 Bad     frames that the map never takes in are let go (``frames_unmatched``), frames that do not
         decode are acknowledged and skipped (``frames_bad``), like those that the map keeps out
         (``frames_kept_out``); a delta that contradicts the map too (``map_delta_bad``). A disk that
-        fails counts as ``store_failed``; with a store (docs/durability.md) a new process goes on
-        with the keyframes and views of the last one.
+        fails counts as ``store_failed``; with a store (docs/durability.md) a new process goes on.
 """
 
 import logging
 from collections import deque
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, ClassVar
 
 from sceneq_core.views.archive import ArchiveParams
 from sceneq_core.views.choice import ChoiceParams
 from sceneq_core.views.selector import ViewParams, ViewSelector
+from sceneq_core.views.view import ViewSet
 from sceneq_core.visits import is_same_visit
-from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
+from sceneq_nodes._bus import Bus, Context, Received
 from sceneq_nodes._convert import map_delta_from_message, view_set_message
 from sceneq_nodes._epoch import first_seq, new_epoch
 from sceneq_nodes._follow import Follower
 from sceneq_nodes._images import frame_from_message
 from sceneq_nodes._order import may_come, says_nothing
 from sceneq_nodes._pages import paged
+from sceneq_nodes._seen_frames import SeenFrames
 from sceneq_nodes._view_image import answer_image
 from sceneq_nodes._view_journal import ViewJournal
 from sceneq_nodes._view_store import open_view_store
@@ -52,7 +54,7 @@ log = logging.getLogger(__name__)
 PATIENCE_STEPS = 40
 """Changes of the map wait so many idle steps, of ``idle_s``, for a frame that is sent again."""
 REMEMBERED = 64
-"""So many keyframes, the last ones, are known when they come late or again."""
+"""So many keyframes, the last ones, are known to be in the map when they come late."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,17 +86,18 @@ class Views:
         self._context = context
         self._selector = ViewSelector(ViewParams(params.choice, params.archive))
         self._waiting: dict[int, Frame] = {}
-        self._observed: deque[tuple[int, int]] = deque(maxlen=REMEMBERED)
+        self._seen, self._newest = SeenFrames(), (-1, 0)
+        self._unsent: dict[int, ViewSet] = {}
         self._mapped: deque[int] = deque(maxlen=REMEMBERED)
         self._quarantined: deque[int] = deque(maxlen=REMEMBERED)
-        self._newest = (-1, 0)
         self._marked = self._idle_steps = 0
         self._held: deque[MapDelta] = deque()
 
     def open(self, bus: Bus) -> None:
         """Subscribe to frames and the map, serve the snapshot and the pictures."""
         context, self._bus = self._context, bus
-        self._store = open_view_store(context.store, self._selector, self._parts, bus.count)
+        parts = self._selector, self._seen, self._parts
+        self._store = open_view_store(context.store, *parts, bus.count)
         kept = self._store.resume() if self._store else {}
         self._map_epoch, self._map_seq = kept.get("map", (0, 0))
         self._map = Follower(
@@ -109,7 +112,8 @@ class Views:
             bus.subscribe(FRAME, depth=self._params.waiting, robot=robot, sensor=context.sensor)
         bus.serve(VIEW_SNAPSHOT, paged(self._journal.answer), scene=context.scene)
         bus.serve(VIEW_JOURNAL, paged(self._journal.answer_changes), scene=context.scene)
-        bus.serve(VIEW_IMAGE, self._answer_image, scene=context.scene)
+        pictures = partial(answer_image, image=self._selector.image)
+        bus.serve(VIEW_IMAGE, pictures, scene=context.scene)
         self._map.open()
 
     def step(self, received: Received | None) -> None:
@@ -142,7 +146,6 @@ class Views:
             "map": (self._map_epoch, self._map_seq),
             "is_lossless": self._is_lossless,
             "newest": self._newest,
-            "observed": list(self._observed),
             "mapped": list(self._mapped),
             "quarantined": list(self._quarantined),
         }
@@ -154,8 +157,8 @@ class Views:
         """
         self._run = kept.get("run", -1) + 1
         self._journal = ViewJournal(kept.get("epoch") or new_epoch())
-        for name in ("observed", "mapped", "quarantined"):
-            getattr(self, f"_{name}").extend(kept.get(name, ()))
+        self._mapped.extend(kept.get("mapped", ()))
+        self._quarantined.extend(kept.get("quarantined", ()))
         self._newest = kept.get("newest", self._newest)
         self._is_lossless = kept.get("is_lossless", self._store is not None)
         if self._store:
@@ -178,8 +181,9 @@ class Views:
         )
 
     def _follow(self, delta: MapDelta) -> None:
-        """Queue a change of the map; a whole map makes those before it needless."""
-        if delta.full:
+        """Queue a change of the map; a whole map that follows on none makes all others needless."""
+        last = self._held[-1].seq if self._held else self._map_seq
+        if delta.full and (delta.epoch, delta.seq - 1) != (self._map_epoch, last):
             self._held.clear()
         self._held.append(delta)
         self._advance(patient=True)
@@ -189,18 +193,20 @@ class Views:
 
         A frame that was lost on its way comes again where nothing is lost: then, while
         ``patient``, later changes wait for it. So every keyframe is looked at in the map of its
-        time, whoever was killed meanwhile.
+        time, whoever was killed meanwhile. After each change it is chosen again, not when there
+        is time for it: what is chosen depends on what was chosen before.
         """
         self._join()
         while self._held and not (patient and self._is_missing(self._held[0])):
             self._take_over(self._held.popleft())
             self._join()
+            self._choose()
 
     def _is_missing(self, delta: MapDelta) -> bool:
         told = delta.frame_seq in self._mapped and says_nothing(delta)
         if delta.full or told or self._map_epoch not in (0, delta.epoch) or not self._is_lossless:
             return False
-        newest = max(self._known_of(delta.frame_seq), default=-1)
+        newest = self._seen.newest(delta.frame_seq)
         return delta.frame_seq > newest and delta.frame_seq not in self._waiting
 
     def _take_over(self, delta: MapDelta) -> None:
@@ -215,7 +221,7 @@ class Views:
             self._store.follow(delta)
         if delta.epoch != self._map_epoch:
             self._mapped.clear()
-            self._observed.clear()  # to be acknowledged only when the new map holds them
+            self._seen.clear()  # to be acknowledged only when the new map holds them
         if delta.quarantined:
             self._quarantined.append(delta.frame_seq)
         newest = delta.frame_seq if delta.full and delta.seq > 1 else -1
@@ -225,11 +231,8 @@ class Views:
 
     def _wait(self, frame: Frame) -> None:
         """Keep ``frame`` until the map holds it; acknowledge one that was looked at before."""
-        key = (frame.seq, frame.stamp_ns)
-        if key in self._observed:
-            self._observed.remove(key)
-            self._observed.append(key)
-            self._newest = key
+        if self._seen.stamp_of(frame.seq) == frame.stamp_ns:
+            self._newest = (frame.seq, frame.stamp_ns)
             self._publish_changes(always=True)
             return
         self._is_lossless = frame.after >= 0
@@ -243,13 +246,8 @@ class Views:
     def _join(self) -> None:
         """Look at the keyframes that the map holds, none before the one it is to come after."""
         for seq in sorted(self._waiting.keys() & set(self._mapped)):
-            known = self._known_of(seq)
-            if may_come(self._waiting[seq], known, min(known, default=None)):
+            if may_come(self._waiting[seq], self._seen, self._seen.oldest(seq)):
                 self._observe(self._waiting.pop(seq))
-
-    def _known_of(self, frame_seq: int) -> list[int]:
-        """Return the frames looked at that are of the same visit as ``frame_seq``."""
-        return [seq for seq, _ in self._observed if is_same_visit(seq, frame_seq)]
 
     def _observe(self, message: Frame) -> None:
         if message.seq in self._quarantined:
@@ -257,7 +255,7 @@ class Views:
         else:
             self._look(message)
         self._newest = (message.seq, message.stamp_ns)
-        self._observed.append(self._newest)
+        self._seen.add(*self._newest)
         self._publish_changes(always=True)
 
     def _look(self, message: Frame) -> None:
@@ -269,10 +267,15 @@ class Views:
         else:
             self._bus.count("frames_observed")
 
+    def _choose(self) -> None:
+        self._unsent |= {view_set.instance_id: view_set for view_set in self._selector.changes()}
+
     def _publish_changes(self, always: bool = False) -> None:
-        changed = [view_set_message(view_set) for view_set in self._selector.changes()]
+        self._choose()
+        changed = [view_set_message(self._unsent[i]) for i in sorted(self._unsent)]
         if not (changed or always):
             return
+        self._unsent.clear()
         seq, stamp_ns = self._newest
         if self._store:
             self._store.keep()
@@ -295,6 +298,3 @@ class Views:
             keyframes_dropped_unused=archive.dropped_unused,
             keyframes_dropped_used=archive.dropped_used,
         )
-
-    def _answer_image(self, request: Request) -> Reply | None:
-        return answer_image(request, self._selector.image)

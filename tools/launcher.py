@@ -43,6 +43,8 @@ class Launcher:
         self._console = console
         self._watchdog = Watchdog(plan.watchdog)
         self._credentials = node_credentials(plan.secure)
+        if plan.secure is not None:
+            need_ros_passage(plan)
         self._heartbeats = Heartbeats(plan.endpoint, self._credentials)
         self._before: dict[str, Process] = {}
         self._ready: set[str] = set()
@@ -244,3 +246,15 @@ def node_credentials(secure: Path | None) -> Credentials | None:
         return Credentials(secure / role)
     except ValueError as error:
         raise UserError(f"{error} (sceneq secure init {secure})", 2) from error
+
+
+def need_ros_passage(plan: Plan) -> None:
+    """Raise ``UserError`` when this machine's router would deny ROS topics that its nodes name."""
+    from sceneq_tools.security.ros_keys import denied, keys_of
+
+    if plan.secure is None:
+        return
+    keys = keys_of((node.node_kind, node.params) for node in plan.nodes)
+    if stopped := denied(Credentials(plan.secure / ROUTER).access(), keys):
+        hint = f"sceneq secure init {plan.secure} --graph graph.yaml"
+        raise UserError(f"the access rules let no {stopped[0]} pass ({hint})", 2)

@@ -4,7 +4,7 @@
 ``world=FRAME`` takes poses from tf, ``odom=TOPIC`` (nav_msgs/Odometry) or ``pose=TOPIC``
 (geometry_msgs/PoseStamped) from a topic; ``points=TOPIC`` takes a LiDAR in place of depth images;
 ``info=TOPIC`` and ``depth_info=TOPIC`` when camera_info does not lie beside the images;
-``registered=yes|no``; ``sync=SECONDS``.
+``registered=yes|no``; ``sync=SECONDS``; ``patience=SECONDS`` of silence before that is said.
 """
 
 from collections.abc import Callable
@@ -27,6 +27,7 @@ NAMES: dict[str, tuple[str, Callable[[str], Any]]] = {
     "depth_info": ("depth_info_topic", str),
     "registered": ("depth_registered", str),
     "sync": ("sync_tolerance_s", float),
+    "patience": ("patience_s", float),
 }
 """Short name -> parameter of the source, and what reads its value."""
 POSES: dict[str, Callable[[str], dict[str, str]]] = {

@@ -17,20 +17,18 @@ def run(
     connect: Endpoint = DEFAULT_ENDPOINT,
 ) -> None:
     """Print the numbers of a running graph as OpenMetrics text, or serve them at /metrics."""
-    import time
-
     from sceneq_tools import scenes
     from sceneq_tools.errors import UserError
     from sceneq_tools.metrics import as_text
-    from sceneq_tools.status import LISTEN_S, HeardNodes
+    from sceneq_tools.status import HeardNodes
 
     heard = HeardNodes()
     with scenes.connect(connect) as client:
-        heard.listen(client)
         if serve is not None:
+            heard.listen(client)
             _serve(heard, *_address(serve))
             return
-        time.sleep(LISTEN_S)
+        heard.listen_to_all(client)
     if not heard.nodes():
         raise UserError(f"a router is at {connect}, but no node ({scenes.START_HINT})")
     typer.echo(as_text(heard), nl=False)

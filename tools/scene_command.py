@@ -43,16 +43,19 @@ def info(scene: Scene, store: Store = None, as_json: AsJson = False) -> None:
     import json
     from dataclasses import asdict
 
+    from sceneq_nodes._held_frames import Caller
     from sceneq_nodes._visit_json import visit_json
 
     folder = _one(store, scene)
     facts = _facts(folder)
     with _told():
-        visits = folder.visits()
+        held = {waiting.caller: waiting.keyframes for waiting in folder.waiting()}
+        visits = [(visit, held.get(Caller.of(visit), 0)) for visit in folder.visits()]
     if as_json:
-        typer.echo(json.dumps(asdict(facts) | {"visits": list(map(visit_json, visits))}, indent=2))
+        told = [visit_json(visit) | {"held": count} for visit, count in visits]
+        typer.echo(json.dumps(asdict(facts) | {"visits": told}, indent=2))
         return
-    for line in (*_lines(facts), *map(_visit_line, visits)):
+    for line in (*_lines(facts), *(_visit_line(visit, count) for visit, count in visits)):
         typer.echo(line)
 
 
@@ -89,6 +92,31 @@ def delete(scene: Scene, store: Store = None, yes: Yes = False) -> None:
 
 
 @app.command()
+def drop(
+    scene: Scene,
+    visit: Annotated[int, typer.Argument(help="Its number in `sceneq scene info`.")],
+    store: Store = None,
+    yes: Yes = False,
+) -> None:
+    """Delete what a visit holds that is not placed in the map."""
+    from sceneq_nodes._held_frames import Caller
+    from sceneq_tools.errors import UserError
+
+    folder = _one(store, scene)
+    with _told():
+        callers = {one.number: Caller.of(one) for one in folder.visits()}
+        held = {waiting.caller: waiting for waiting in folder.waiting()}
+    waiting = held.get(callers[visit]) if visit in callers else None
+    if waiting is None:
+        raise UserError(f"visit {visit} of {scene} holds nothing (sceneq scene info {scene})", 2)
+    if not yes:
+        typer.confirm(f"delete {waiting.keyframes} keyframes of visit {visit}?", abort=True)
+    with _told():
+        folder.drop(waiting)
+    typer.echo(f"{scene}: {waiting.keyframes} keyframes of visit {visit} deleted")
+
+
+@app.command()
 def merge(
     scene: Scene,
     other: Annotated[str, typer.Argument(help="The scene that becomes part of it.")],
@@ -121,6 +149,8 @@ def merge(
         f"{into.name}: {done.keyframes} keyframes of {other} taken in as visit "
         f"{', '.join(map(str, done.visits))}, {before} -> {after} instances"
     )
+    if done.waiting:
+        typer.echo(f"{into.name}: {done.waiting} keyframes that {other} did not place wait here")
 
 
 def _node_params() -> "dict[str, dict[str, Any]]":
@@ -182,8 +212,14 @@ def _row(facts: "SceneFacts") -> tuple[str, ...]:
         str(facts.keyframes),
         ", ".join(f"{count} by {model}" for model, count in facts.described.items()),
         f"{facts.size_bytes / 1e6:.1f}",
-        "in use" if facts.is_in_use else "",
+        ", ".join(filter(None, (_waiting(facts), "in use" if facts.is_in_use else ""))),
     )
+
+
+def _waiting(facts: "SceneFacts") -> str:
+    from sceneq_nodes._held_frames import waiting_text
+
+    return waiting_text(facts.waiting_visits, facts.waiting_keyframes)
 
 
 def _lines(facts: "SceneFacts") -> list[str]:
@@ -195,12 +231,13 @@ def _lines(facts: "SceneFacts") -> list[str]:
         f"journal: {kept}; checkpoints at {checkpoints}",
         f"views: {facts.keyframes} keyframes",
         *(f"descriptors of {model}: {count}" for model, count in facts.described.items()),
+        *([_waiting(facts)] if facts.waiting_visits else []),
         *(f"set aside: {name}" for name in facts.set_aside),
     ]
 
 
-def _visit_line(visit: "Visit") -> str:
+def _visit_line(visit: "Visit", held: int) -> str:
     came = f"visit {visit.number}: {visit.robot}"
     origin = f" in {visit.origin}" if visit.origin else ""
     known = visit.evidence if visit.T_world_odom is not None else "where it started is not known"
-    return f"{came}{origin}: {known}"
+    return f"{came}{origin}: {known}" + (f"; {held} keyframes wait" if held else "")

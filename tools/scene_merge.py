@@ -20,6 +20,7 @@ from sceneq_nodes._backends import load
 from sceneq_nodes._bus import Context, QueryError
 from sceneq_nodes._corrections import correction_of
 from sceneq_nodes._fetch import Fetch
+from sceneq_nodes._held_frames import copy_held
 from sceneq_nodes._images import frame_from_message
 from sceneq_nodes._mapped import CORRECTION, KEYFRAME, VISITED
 from sceneq_nodes._params import validate
@@ -39,13 +40,17 @@ NODES = ("mapping", "views")
 
 @dataclass(frozen=True, slots=True)
 class Merged:
-    """What came of it: ``keyframes`` of the other scene are in, ``instances`` before and after."""
+    """What came of it: ``keyframes`` of the other scene are in, ``instances`` before and after.
+
+    ``waiting``: keyframes of its visits that were not placed there and now wait here.
+    """
 
     found: Relocation
     visits: tuple[int, ...]
     keyframes: int
     instances: tuple[int, int]
     troubles: Mapping[str, int]
+    waiting: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +80,7 @@ def merge(
             with scene.locked():
                 shutil.copytree(scene.path, into)
         try:
-            return _merge(into, other, told, params)
+            return replace(_merge(into, other, told, params), waiting=_hand_over(other, into))
         except BaseException:
             if is_new:
                 shutil.rmtree(into, ignore_errors=True)
@@ -102,6 +107,7 @@ def _merge(
         numbers = {
             number: _register(bus, visit, other.path.name, found)
             for number, visit in told.visits.items()
+            if visit.T_world_odom is not None
         }
         before = int(hub.reported["mapping"]["instances"])
         player = JournalPlayer(other.entries(), found.T_world_odom, numbers)
@@ -116,6 +122,14 @@ def _merge(
             (before, after),
             {name: count for name, count in sorted(hub.counters.items()) if count},
         )
+
+
+def _hand_over(other: SceneFolder, into: Path) -> int:
+    """Let what the other's visits hold wait in ``into`` too; return how many keyframes that is."""
+    handed = [one for one in other.waiting() if not (into / one.path.name).exists()]
+    for waiting in handed:
+        copy_held(waiting.path, into)
+    return sum(waiting.keyframes for waiting in handed)
 
 
 def _read(other: SceneFolder) -> _Other:
@@ -181,7 +195,8 @@ def _register(bus: LocalBus, visit: Visit, origin: str, found: Relocation) -> in
     number = int(told["visit"])
     if told["T_world_odom"] is not None:
         return number  # the same recording made both: what it showed is known here
-    T_other_odom: Float64 = HERE if visit.T_world_odom is None else visit.T_world_odom
+    T_other_odom: Float64 | None = visit.T_world_odom
+    assert T_other_odom is not None  # those that wait are not registered
     evidence = f"{found.keyframes} places of {origin} recognised at {found.places}"
     T_world_odom = np.asarray(found.T_world_odom @ T_other_odom)
     _ask(bus, {"visit": number, "T_world_odom": T_world_odom.tolist(), "evidence": evidence})

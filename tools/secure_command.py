@@ -9,6 +9,7 @@ import typer
 
 if TYPE_CHECKING:
     from sceneq_tools.security.authority import Authority
+    from sceneq_tools.security.site import Site
 
 app = typer.Typer(
     help="Make certificates, so that nobody joins the bus whom you did not let in.",
@@ -25,17 +26,28 @@ Scenes = Annotated[
     list[str] | None,
     typer.Option("--scene", help="Scenes for which credentials of one scene are issued."),
 ]
+Graphs = Annotated[
+    list[Path] | None,
+    typer.Option("--graph", help="Let the ROS 2 topics of this graph.yaml pass, and no others."),
+]
 Days = Annotated[int, typer.Option(min=1, help="How long certificates are valid.")]
 VALID_DAYS = 365
 LOCAL = ("localhost", "127.0.0.1", "::1")
-AUTHORITY_FOLDER, SITE_FILE = "authority", "site.json"
+AUTHORITY_FOLDER = "authority"
 
 
 @app.command("init")
-def init(folder: Folder, host: Hosts = None, scene: Scenes = None, days: Days = VALID_DAYS) -> None:
+def init(
+    folder: Folder,
+    host: Hosts = None,
+    scene: Scenes = None,
+    graph: Graphs = None,
+    days: Days = VALID_DAYS,
+) -> None:
     """Make an authority and credentials for a router, the nodes and an operator.
 
-    Run again with more --scene to write the router's access rules anew; what was issued stays.
+    Run again with more --scene, or another --graph, to write the router's access rules anew; what
+    was issued stays.
     """
     from sceneq_tools.errors import UserError
     from sceneq_tools.security.authority import Authority
@@ -51,10 +63,10 @@ def init(folder: Folder, host: Hosts = None, scene: Scenes = None, days: Days = 
             if not (folder / role / "cert.pem").exists():
                 hosts = (*LOCAL, *(host or ())) if role == ROUTER else ()
                 authority.issue(folder / role, role, role, hosts, now, days)
-        scenes = _write_access(folder, scene or [])
+        kept = _write_access(folder, scene or [], graph)
     except OSError as error:
         raise UserError(f"{error.filename or folder}: {error.strerror}") from error
-    typer.echo(f"{folder}: {'made' if fresh else 'kept'}, access rules for {scenes}")
+    typer.echo(f"{folder}: {'made' if fresh else 'kept'}, access rules for {_said(kept)}")
     typer.echo(f"sceneq up --secure {folder}")
     typer.echo(f"SCENEQ_CREDENTIALS={folder / OPERATOR} sceneq status --connect tls/127.0.0.1:7447")
 
@@ -62,7 +74,7 @@ def init(folder: Folder, host: Hosts = None, scene: Scenes = None, days: Days = 
 @app.command("issue")
 def issue(
     folder: Folder,
-    role: Annotated[str, typer.Argument(help="client, viewer, operator, robot, server, router.")],
+    role: Annotated[str, typer.Argument(help="One of those of 'sceneq secure roles'.")],
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder to write into.")],
     scene: Annotated[str | None, typer.Option(help="Only this scene.")] = None,
     name: Annotated[str, typer.Option(help="For whom, such as anna.")] = "",
@@ -72,11 +84,15 @@ def issue(
     """Issue credentials: a folder for the one who gets them."""
     from sceneq_tools.errors import UserError
     from sceneq_tools.security.access import subject
-    from sceneq_tools.security.roles import ROUTER, grants
+    from sceneq_tools.security.roles import ROS, ROUTER, grants
 
     try:
-        grants(role, scene)
-        if scene is not None and scene not in _site(folder):
+        site = _site(folder)
+        if not grants(role, scene, site.ros) and role == ROS:
+            raise ValueError(
+                "ros: no topics are let through (sceneq secure init --graph graph.yaml)"
+            )
+        if scene is not None and scene not in site.scenes:
             raise ValueError(
                 f"--scene {scene}: not known here (sceneq secure init --scene {scene})"
             )
@@ -85,7 +101,7 @@ def issue(
         now = datetime.now(UTC)
         _authority(folder).issue(out, subject(role, scene), holder, hosts, now, days)
         if role == ROUTER:
-            _write_rules(out, _site(folder))
+            _write_rules(out, site)
     except FileExistsError as error:
         raise UserError(f"{out}: there are credentials already", 2) from error
     except OSError as error:
@@ -127,21 +143,38 @@ def _need_scenes(scenes: list[str]) -> None:
             raise UserError(f"--scene {scene!r}: must match {ID.pattern}", 2)
 
 
-def _site(folder: Path) -> list[str]:
-    path = folder / AUTHORITY_FOLDER / SITE_FILE
-    return list(json.loads(path.read_text())["scenes"]) if path.is_file() else []
+def _site(folder: Path) -> "Site":
+    from sceneq_tools.security.site import read_site
+
+    return read_site(folder / AUTHORITY_FOLDER)
 
 
-def _write_access(folder: Path, scenes: list[str]) -> str:
-    """Write the rules for what is known and new; return the scenes, for people."""
-    known = sorted({*_site(folder), *scenes})
-    (folder / AUTHORITY_FOLDER / SITE_FILE).write_text(json.dumps({"scenes": known}) + "\n")
-    _write_rules(folder / "router", known)
-    return ", ".join(known) or "all scenes together"
+def _write_access(folder: Path, scenes: list[str], graphs: list[Path] | None) -> "Site":
+    """Write the rules for what is known and new; ``graphs`` say all that passes of ROS."""
+    from sceneq_nodes.ros.passage import RosKeys
+    from sceneq_tools.security.ros_keys import keys_in_graph
+    from sceneq_tools.security.site import Site, write_site
+
+    known = _site(folder)
+    ros = known.ros
+    if graphs is not None:
+        ros = RosKeys()
+        for graph in graphs:
+            ros |= keys_in_graph(graph)
+    site = Site(tuple(sorted({*known.scenes, *scenes})), ros)
+    write_site(folder / AUTHORITY_FOLDER, site)
+    _write_rules(folder / "router", site)
+    return site
 
 
-def _write_rules(router: Path, scenes: list[str]) -> None:
+def _said(site: "Site") -> str:
+    scenes = ", ".join(site.scenes) or "all scenes together"
+    keys = len(site.ros.read) + len(site.ros.written)
+    return scenes + (f", {keys} keys of ROS" if keys else "")
+
+
+def _write_rules(router: Path, site: "Site") -> None:
     from sceneq_nodes._credentials import ACCESS
     from sceneq_tools.security.access import access_rules
 
-    (router / ACCESS).write_text(json.dumps(access_rules(scenes), indent=1) + "\n")
+    (router / ACCESS).write_text(json.dumps(access_rules(site), indent=1) + "\n")

@@ -12,6 +12,9 @@ from sceneq_schemas.topics import HEALTH
 
 LISTEN_S = 1.6
 """A little more than the second between two heartbeats."""
+PATIENCE_S = 5.0
+"""How long the heartbeat of a node that is alive is waited for: a busy machine's come late."""
+LOOK_S = 0.05
 SILENT_S = 5.0
 """A node that has not been heard for so long is not up, whatever it said last."""
 FLOWS = ("in", "out", "dropped", "undecodable")
@@ -39,11 +42,9 @@ class NodeStatus:
 
 
 def node_status(client: Client) -> list[NodeStatus]:
-    """Listen for ``LISTEN_S`` seconds and return every node, by name."""
+    """Listen until all nodes that are alive were heard and return every node, by name."""
     heard = HeardNodes()
-    heard.listen(client)
-    alive = {token["node"]: token["id"] for token in client.alive()}
-    time.sleep(LISTEN_S)
+    alive = heard.listen_to_all(client)
     told = {status.node: status for status, _ in heard.nodes()}
     silent = {node: _silent(node, pid) for node, pid in alive.items() if node not in told}
     return [status for _, status in sorted({**told, **silent}.items())]
@@ -60,6 +61,20 @@ class HeardNodes:
     def listen(self, client: Client) -> None:
         """Take what ``client`` hears from now on."""
         client.subscribe(HEALTH.selector(), lambda key, _, payload: self.take(key, payload))
+
+    def listen_to_all(self, client: Client) -> dict[str, str]:
+        """Listen for ``LISTEN_S``, and on until everybody was heard; return who is alive.
+
+        At most ``PATIENCE_S`` seconds: a node that hangs is alive, too, and says nothing.
+        """
+        began_s = self._clock()
+        self.listen(client)
+        alive = {token["node"]: token["id"] for token in client.alive()}
+        time.sleep(LISTEN_S)
+        until_s = began_s + PATIENCE_S
+        while any(node not in self._newest for node in alive) and self._clock() < until_s:
+            time.sleep(LOOK_S)
+        return alive
 
     def take(self, key: str, payload: bytes) -> None:
         """Keep a heartbeat; anything else is none."""

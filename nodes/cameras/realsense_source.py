@@ -27,9 +27,18 @@ WAIT_MS = 5
 
 @dataclass(frozen=True, slots=True)
 class RealsenseParams(CameraParams):
-    """As of every camera; ``playback``: a file of realsense-viewer in its place, at its pace."""
+    """As of every camera; ``playback``: a file of realsense-viewer in its place, at its pace.
+
+    ``lossless``: as fast as images are taken instead, and every one of them.
+    """
 
     playback: str = ""
+    lossless: bool = False
+
+    def __post_init__(self) -> None:
+        CameraParams.__post_init__(self)
+        if self.lossless and not self.playback:
+            raise ValueError("lossless: a camera does not wait; for a playback only")
 
 
 class RealsenseSource(LiveCamera):
@@ -51,6 +60,8 @@ class RealsenseDevice:
             raise ValueError(f"playback: no file {params.playback}")
         self._pipeline, config = rs.pipeline(), _config(rs, params)
         try:
+            if params.lossless:
+                config.resolve(self._pipeline).get_device().as_playback().set_real_time(False)
             profile = self._pipeline.start(config)
             depth_sensor = profile.get_device().first_depth_sensor()
             self._mm_per_unit = round(1000.0 * depth_sensor.get_depth_scale(), 6)

@@ -55,6 +55,12 @@ class RosOutputParams:
         need_at_least(self, 1, "max_points")
 
 
+def published_topics(prefix: str) -> dict[str, str]:
+    """Return topic -> message type."""
+    types = {"detections": DETECTIONS, "markers": MARKERS, "cloud": CLOUD}
+    return {f"{prefix}/{name}": kind for name, kind in types.items()}
+
+
 class RosOutput:
     """Follows one scene and publishes it."""
 
@@ -80,8 +86,7 @@ class RosOutput:
         self._bus = bus
         store = typestore(params.distro)
         self._results = Results(store, params.frame_id, params.max_points)
-        types = {"detections": DETECTIONS, "markers": MARKERS, "cloud": CLOUD}
-        published = {f"{params.prefix}/{name}": kind for name, kind in types.items()}
+        published = published_topics(params.prefix)
         self._writer = Writer(foreign_keys(bus), store, published, params.domain, params.dialect)
         self._map = FollowedMap(bus, scene, self._note)
         self._labels = Follower(

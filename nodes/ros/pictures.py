@@ -21,7 +21,6 @@ COMPRESSED_DEPTH = struct.Struct("<iff")
 """The header of compressed_depth_image_transport: format, quantisation A and B."""
 
 RVL_SIZE = struct.Struct("<ii")
-MAX_PIXELS = 1 << 26
 
 _Convert = Callable[[Array], Array]
 
@@ -104,19 +103,21 @@ def compressed_depth_mm(message: Any) -> UInt16:
     Raises:
         WireError: it does not decode.
     """
-    if "compressedDepth" not in message.format:
-        return np.asarray(_decoded(lambda: decode_depth_mm(bytes(message.data)), message))
     data = bytes(message.data)
+    if "compressedDepth" not in message.format:
+        return np.asarray(_decoded(lambda: _png(data), message))
     if len(data) < COMPRESSED_DEPTH.size:
         raise WireError(f"depth of format '{message.format}': only {len(data)} bytes")
     _, a, b = COMPRESSED_DEPTH.unpack_from(data)
-    decode = _rvl if "rvl" in message.format.lower() else decode_depth_mm
+    decode = _rvl if "rvl" in message.format.lower() else _png
     values = _decoded(lambda: decode(data[COMPRESSED_DEPTH.size :]), message)
     if message.format.partition(";")[0].strip() != "32FC1":
         return np.asarray(values, np.uint16)
-    scaled = values.astype(np.float32) - np.float32(b)
-    measured = (values > 0) & (scaled > 0)
-    return depth_mm_of_metres(np.where(measured, a / np.where(measured, scaled, 1), 0))
+    with np.errstate(invalid="ignore", over="ignore"):
+        scaled = values.astype(np.float32) - np.float32(b)
+        measured = (values > 0) & (scaled > 0)
+        depth_m = np.where(measured, np.float32(a) / np.where(measured, scaled, 1), 0)
+    return depth_mm_of_metres(depth_m)
 
 
 def depth_mm_of_metres(depth_m: Float32) -> UInt16:
@@ -127,13 +128,18 @@ def depth_mm_of_metres(depth_m: Float32) -> UInt16:
     return np.where(measured, depth_mm, 0).astype(np.uint16)
 
 
+def _png(data: bytes) -> UInt16:
+    """Decode what is whole and no larger than an image may be."""
+    header(data)
+    return decode_depth_mm(data)
+
+
 def _rvl(data: bytes) -> UInt16:
     if len(data) < RVL_SIZE.size:
         raise ValueError(f"only {len(data)} bytes")
-    width, height = RVL_SIZE.unpack_from(data)
-    if not (0 < width * height <= MAX_PIXELS):
-        raise ValueError(f"an image of {width}x{height}")
-    return decode_rvl(data[RVL_SIZE.size :], (width, height))
+    depth_mm = decode_rvl(data[RVL_SIZE.size :], RVL_SIZE.unpack_from(data))
+    depth_mm[depth_mm == MAX_MM] = 0
+    return depth_mm
 
 
 def _decoded(decode: Callable[[], Array], message: Any) -> Array:

@@ -26,7 +26,7 @@ from sceneq_nodes.ros.rig import Rig
 from sceneq_nodes.ros.troubles import Troubles
 from sceneq_nodes.ros.typestore import typestore
 
-SECURED = "the access rules of 'secure' let no keys of ROS pass (docs/ros.md)"
+SECURED = "; with 'secure' only topics pass that 'sceneq secure init --graph' was told"
 DAY_S = 86_400
 SEQ_HZ = 100
 """Numbers grow faster than any camera: a source that starts again the same day reuses none."""
@@ -51,14 +51,13 @@ class Ros2Source:
         keys, params = foreign_keys(bus), self._params
         self._bus = bus
         self._troubles = Troubles(bus.count)
-        if given_credentials() is not None:
-            self._troubles.lasts("secured", SECURED)
+        self._is_secured = given_credentials() is not None
         store = typestore(params.distro)
         seq = int(time.time() % DAY_S * SEQ_HZ)
         self._assembly = Assembly(params, self._troubles, seq)
-        self._readers = {t.role: Reader(t, store, self._troubles) for t in _roles(params)}
+        self._readers = {t.role: Reader(t, store, self._troubles) for t in topic_roles(params)}
         self._connected_s = self._clock()
-        for topic in _roles(params):
+        for topic in topic_roles(params):
             for selector in selectors(topic.topic, params.domain, params.dialect):
                 take = partial(self._mailbox.put, topic.role)
                 keys.listen(selector, take, latched=topic.latched)
@@ -113,25 +112,26 @@ class Ros2Source:
         if dropped := self._mailbox.dropped():
             self._bus.count("ros_messages_dropped", dropped)
         now_s, patience_s = self._clock(), self._params.patience_s
-        for topic in _roles(self._params):
+        for topic in topic_roles(self._params):
             if topic.role in assembly.QUIET:
                 continue
             silent_s = now_s - self._heard_s.get(topic.role, self._connected_s)
             if silent_s < patience_s:
                 self._troubles.over(f"silent_{topic.role}")
             elif not self._troubles.is_lasting(f"silent_{topic.role}"):
-                text = f"nothing on {topic.topic} for {silent_s:.0f} s{self._domain_hint()}"
+                text = f"nothing on {topic.topic} for {silent_s:.0f} s{self._hint()}"
                 self._troubles.lasts(f"silent_{topic.role}", text)
         self._bus.report(trouble=self._troubles.text)
 
-    def _domain_hint(self) -> str:
-        """Name the domain where keys have one: a wrong one looks like silence."""
+    def _hint(self) -> str:
+        """Name the domain where keys have one: a wrong one looks like silence, so does a denial."""
         params = self._params
-        return "" if params.dialect == "bridge" else f" (ROS_DOMAIN_ID {params.domain})"
+        domain = "" if params.dialect == "bridge" else f" (ROS_DOMAIN_ID {params.domain})"
+        return domain + (SECURED if self._is_secured else "")
 
 
-def _roles(params: Ros2Params) -> list[TopicRole]:
-    """Return the topics to listen to."""
+def topic_roles(params: Ros2Params) -> list[TopicRole]:
+    """Return the topics that a source listens to."""
     roles = [
         image_role(assembly.COLOUR, params.colour_topic),
         TopicRole(assembly.COLOUR_INFO, params.colour_info, (CAMERA_INFO,)),

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from sceneq_core.arrays import Float32, Float64, Int64
+from sceneq_core.arrays import Float32, Float64, Int64, UInt8
 from sceneq_core.checks import need_at_least, need_between
 from sceneq_core.places.place import Place
 
@@ -31,13 +31,13 @@ class FeatureParams:
 
 @dataclass(frozen=True, slots=True)
 class Features:
-    """``points_camera`` float64 (N, 3), metres; ``descriptors`` float32 (N, 128), strongest first.
+    """``points_camera`` float64 (N, 3), metres; ``descriptors`` uint8 (N, 128), strongest first.
 
-    Descriptors are whole numbers, so sums of their products are exact however they are added up.
+    Whole numbers: sums of their products are exact however they are added up.
     """
 
     points_camera: Float64
-    descriptors: Float32
+    descriptors: UInt8
 
     def strongest(self, count: int) -> "Features":
         """Return the first ``count``."""
@@ -49,12 +49,12 @@ def features_of(place: Place, params: FeatureParams) -> Features:
     finder = cv2.SIFT.create(nfeatures=params.most, contrastThreshold=params.contrast)
     keypoints, descriptors = finder.detectAndCompute(place.grey(), None)
     if not keypoints:
-        return Features(np.zeros((0, 3)), np.zeros((0, 128), np.float32))
+        return Features(np.zeros((0, 3)), np.zeros((0, 128), np.uint8))
     strength = np.array([keypoint.response for keypoint in keypoints])
     order = np.argsort(-strength, kind="stable")[: params.most]
     pixel = np.array([keypoint.pt for keypoint in keypoints], np.float64)[order]
     points, measured = _points(place, pixel)
-    return Features(points, np.asarray(descriptors, np.float32)[order][measured])
+    return Features(points, np.asarray(descriptors, np.uint8)[order][measured])
 
 
 def pairs(one: Features, other: Features, ratio: float) -> Int64:
@@ -72,7 +72,8 @@ def pairs(one: Features, other: Features, ratio: float) -> Int64:
     return np.stack((kept, best[kept]), axis=1)
 
 
-def _squared_distance(one: Float32, other: Float32) -> Float32:
+def _squared_distance(some: UInt8, others: UInt8) -> Float32:
+    one, other = some.astype(np.float32), others.astype(np.float32)
     length = (one * one).sum(axis=1)[:, None] + (other * other).sum(axis=1)
     return np.asarray(length - 2.0 * (one @ other.T), np.float32)
 

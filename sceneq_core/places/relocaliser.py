@@ -1,6 +1,5 @@
 """Where a frame of reference lies in a scene, from keyframes that were taken at known places."""
 
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -9,7 +8,7 @@ import numpy as np
 from sceneq_core.arrays import Float64
 from sceneq_core.checks import need_at_least, need_between, need_positive
 from sceneq_core.ingest.transforms import angle_deg, inverse, nearest_rigid, rotation_of, transform
-from sceneq_core.places.atlas import Atlas
+from sceneq_core.places.atlas import Atlas, Known
 from sceneq_core.places.place import Place
 from sceneq_core.places.sighting import Sighting, SightingParams
 
@@ -69,20 +68,32 @@ class Standing:
 class Relocaliser:
     """Collects what keyframes of one frame of reference say of where it lies."""
 
-    def __init__(self, params: RelocaliserParams) -> None:
+    def __init__(self, params: RelocaliserParams, atlas: Atlas | None = None) -> None:
+        """``atlas``: the places of the scene, where several relocalisers share them."""
         self._params = params
-        self._atlas = Atlas(params.sighting)
+        self._atlas = Atlas(params.sighting) if atlas is None else atlas
         self._sightings: list[Sighting] = []
-        self._seen: deque[Place] = deque(maxlen=MOST_SEEN)
-        self._again: deque[Place] = deque(maxlen=MOST_SEEN)
+        self._seen: dict[int, Known] = {}
+        self._again: dict[int, frozenset[int]] = {}
         self._count = 0
         self.standing = Standing(0, 0, 0, 0)
 
+    @property
+    def has_to_look(self) -> bool:
+        """Whether something that was seen is to be compared with places that are new."""
+        return bool(self._again)
+
     def learn(self, places: Sequence[Place]) -> None:
-        """Let ``places`` be those of the scene; what was seen is to be looked at again."""
-        self._atlas.learn(places)
-        waiting = {place.seq for place in self._again}
-        self._again.extend(place for place in self._seen if place.seq not in waiting)
+        """Let ``places`` be those of the scene; what was seen is to be compared with new ones."""
+        self.renew(self._atlas.learn(places))
+
+    def renew(self, changed: frozenset[int]) -> None:
+        """Take note that the atlas knows these places anew, elsewhere, or no more."""
+        if not changed:
+            return
+        self._sightings = [s for s in self._sightings if s.place_seq not in changed]
+        for seq in self._seen:
+            self._again[seq] = self._again.get(seq, frozenset()) | changed
 
     def see(self, seen: Place) -> Relocation | None:
         """Take a keyframe, its pose in the unknown frame; return where that lies once it is sure.
@@ -90,16 +101,24 @@ class Relocaliser:
         ``None``: too few keyframes were recognised, or they do not agree on one answer.
         """
         self._count += 1
-        self._seen.append(seen)
-        return self._recognise(seen)
+        self._sightings = [s for s in self._sightings if s.seen_seq != seen.seq]
+        known = self._seen[seen.seq] = self._atlas.look(seen)
+        if len(self._seen) > MOST_SEEN:
+            oldest = next(iter(self._seen))
+            del self._seen[oldest]
+            self._again.pop(oldest, None)
+        return self._recognise(known, None)
 
     def look_again(self) -> Relocation | None:
-        """Take one of the last keyframes once more, if places were learnt since; as ``see``."""
-        return self._recognise(self._again.popleft()) if self._again else None
+        """Compare one of the last keyframes with the places that are new; as ``see``."""
+        if not self._again:
+            return None
+        seq = next(iter(self._again))
+        return self._recognise(self._seen[seq], self._again.pop(seq))
 
-    def _recognise(self, seen: Place) -> Relocation | None:
-        others = [sighting for sighting in self._sightings if sighting.seen_seq != seen.seq]
-        self._sightings = (others + self._atlas.sightings(seen))[-MOST_SIGHTINGS:]
+    def _recognise(self, seen: Known, among: frozenset[int] | None) -> Relocation | None:
+        found = self._atlas.sightings(seen, among)
+        self._sightings = (self._sightings + found)[-MOST_SIGHTINGS:]
         return self.answer()
 
     def answer(self) -> Relocation | None:

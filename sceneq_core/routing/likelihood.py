@@ -75,12 +75,14 @@ class Likelihood:
         temperature: float,
         ceiling: float,
         null: NullParams | None = None,
+        null_described: NullParams | None = None,
     ) -> None:
+        """``null_described`` is for words that describe, ``None`` = as for names."""
         self._vague_vectors = tower.encode(VAGUE)
         self._temperature = temperature
-        self._evidence_temperature = null.temperature if null else temperature
         self._ceiling = ceiling
         self._null = null
+        self._null_described = null_described or null
 
     def fit(self, snapshot: SceneSnapshot, wanted: Wanted) -> Fit:
         """Return how well the words fit every instance; there must be at least one."""
@@ -101,7 +103,7 @@ class Likelihood:
         rivals = self._rivals(snapshot, wanted, best)
         choices = 1 + rivals.shape[1]
         log_said = log_colour + fitting
-        log_name = self._log_name(noun[best], rivals, self._evidence_temperature)
+        log_name = self._log_name(noun[best], rivals, self._evidence_temperature(wanted))
         p = np.exp(log_softmax(log_fit)) if meant.any() else np.zeros(len(meant))
         seen = evidence_of(log_name, log_said[best], float(p.max()), choices, len(order))
         kind = np.exp(log_said) * meant
@@ -140,7 +142,7 @@ class Likelihood:
         rivals = self._rivals(snapshot, replace(wanted, rivals=wanted.rivals & ~wanted.kinds), rows)
         kinds = snapshot.label_scores[rows][:, wanted.kinds]
         so_called = np.column_stack([noun[rows], kinds]).max(axis=1)
-        log_name = self._log_name(so_called, rivals, self._evidence_temperature)
+        log_name = self._log_name(so_called, rivals, self._evidence_temperature(wanted))
         log_said = log_said[rows]
         log_fit += log_colour
         p, sizes = np.exp(log_softmax(log_fit))[rows], (1 + rivals.shape[1], len(snapshot))
@@ -197,10 +199,18 @@ class Likelihood:
             said = float(np.exp(log_said).max(initial=0.0))
             alone = not (wanted.colours or wanted.excluded or wanted.sizes)
             return said if alone or self._null is not None else min(said, self._ceiling)
-        if self._null is None:
+        null = self._null_of(wanted)
+        if null is None:
             best = np.exp(log_name + log_said).max(initial=0.0)
             return min(float(best), self._ceiling)
-        return self._null.presence(seen)
+        return null.presence(seen)
+
+    def _null_of(self, wanted: Wanted) -> NullParams | None:
+        return self._null_described if wanted.described else self._null
+
+    def _evidence_temperature(self, wanted: Wanted) -> float:
+        null = self._null_of(wanted)
+        return null.temperature if null else self._temperature
 
     def _rivals(self, snapshot: SceneSnapshot, wanted: Wanted, rows: Int64) -> Float32:
         """Return the cosines of ``rows`` with everything the noun competes with."""

@@ -13,6 +13,7 @@ from sceneq_core.mapping.delta import OBJECT
 from sceneq_core.reasoning.english import singular
 from sceneq_core.routing import words
 from sceneq_core.routing.attributes import without_excluded
+from sceneq_core.routing.described_words import describes, wants_to_do
 from sceneq_core.routing.labels import Labeller
 from sceneq_core.routing.phrase import Phrase, read, without_colours, without_sizes
 
@@ -25,7 +26,8 @@ class Wanted:
     rows of ``COLOUR_TERMS`` that it has, ``excluded`` those that it has not, ``sizes`` words of
     ``SIZE_WORDS``; ``rivals`` bool (C,) marks the labels that mean something else, ``kinds`` (C,)
     those that name a kind of it, ``noun`` is the word itself. ``role`` is that of the instances
-    they may mean: objects, or the part of the building named.
+    they may mean: objects, or the part of the building named. ``described``: the words say what it
+    is for, or like, and do not name it.
     """
 
     vector: Float32 | None
@@ -36,6 +38,7 @@ class Wanted:
     excluded: tuple[int, ...] = ()
     sizes: tuple[str, ...] = ()
     noun: str = ""
+    described: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +95,10 @@ class Reader:
         if many:
             phrase = replace(phrase, target=singular(phrase.target))
         things = (phrase.target, *(words for c in phrase.constraints for words in c.things))
-        return Question(text, phrase, {thing: self._wanted(thing) for thing in things})
+        wanted = {thing: self._wanted(thing) for thing in things}
+        if wants_to_do(text):
+            wanted[phrase.target] = replace(wanted[phrase.target], described=True)
+        return Question(text, phrase, wanted)
 
     def _wanted(self, thing: str) -> Wanted:
         kept, excluded = without_excluded(thing)
@@ -105,7 +111,15 @@ class Reader:
         vector = self._tower.encode([noun])[0]
         kinds = np.array([label.endswith(f" {noun}") for label in self._row], np.bool_)
         return Wanted(
-            vector, colours, self._rivals(noun, vector), kinds, role, excluded, sizes, noun
+            vector=vector,
+            colours=colours,
+            rivals=self._rivals(noun, vector),
+            kinds=kinds,
+            role=role,
+            excluded=excluded,
+            sizes=sizes,
+            noun=noun,
+            described=describes(noun),
         )
 
     def _rivals(self, noun: str, vector: Float32) -> Bool:

@@ -41,10 +41,12 @@ class RouterParams:
 
     ``synonym_cosine``: labels whose text is this close to the words mean the same thing and do
     not compete with them. ``null``: how probable "none of them" is; a calibration knows.
+    ``null_described``: the same where words describe a thing rather than name it, ``None`` = alike.
     """
 
     judge: JudgeParams = field(default_factory=JudgeParams)
     null: NullParams | None = None
+    null_described: NullParams | None = None
     top_k: int = 10
     synonym_cosine: float = 0.8
 
@@ -98,7 +100,8 @@ class Router:
         self.namer = Namer(labeller, self._judge, encoder.temperature, params.top_k)
         self.other_labels = OtherLabels(self.namer, encoder)
         self._reader = Reader(tower, labeller, params.synonym_cosine)
-        self._likelihood = Likelihood(tower, encoder.temperature, encoder.ceiling, params.null)
+        nulls = params.null, params.null_described
+        self._likelihood = Likelihood(tower, encoder.temperature, encoder.ceiling, *nulls)
         counter = Counter(self._likelihood, params.judge.min_claim)
         self.pictures = PictureMatcher(labeller, self._judge, encoder.temperature)
         self.reporter = Reporter(self._judge, counter)

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+VICTIMS = ("router", "mapping", "views", "encoding", "routing")
+
 pytestmark = [pytest.mark.integration, pytest.mark.timeout(600)]
 
 
@@ -21,11 +23,11 @@ def test_the_short_list_of_faults_does_no_harm(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
     outcomes = json.loads(table.read_text())["outcomes"]
     assert {one["scenario"] for one in outcomes} == {
-        *("kill", "clients", "malformed", "bombs", "fuzz")
+        *("kill", "blackout", "clients", "malformed", "bombs", "fuzz")
     }
     assert all(one["passed"] and one["times"] for one in outcomes)
     killed = {one["fault"] for one in outcomes if one["scenario"] == "kill"}
-    assert killed == {f"kill -9 of {node}" for node in ("router", "mapping", "views", "routing")}
+    assert killed == {f"kill -9 of {node}" for node in VICTIMS}
     assert sum(one["times"] for one in outcomes if one["scenario"] == "fuzz") >= 4_000
 
 

@@ -1,20 +1,18 @@
 """The console in a real browser, on a running graph."""
 
+import contextlib
 import os
 import re
 import shutil
 import signal
-import tempfile
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
-from support.live_graph import LiveGraph, free_port, write_graph
-from support.recording import write_recording
-from support.room import Room
+from support.live_graph import LiveGraph
+from support.shared_room import SharedRoom
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 
@@ -23,7 +21,8 @@ pytestmark = [
     pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here: make browser"),
 ]
 
-PATIENT_MS = 30_000
+PATIENT_MS = 60_000
+TRIES = 10
 FOCUSED = """(() => {
     const at = document.activeElement;
     return at.labels?.[0]?.innerText ?? at.innerText;
@@ -34,23 +33,13 @@ BLOCKING = """performance.getEntriesByType("resource")
 
 
 @pytest.fixture(scope="module")
-def live(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveGraph]:
-    room = Room(size=(320, 240), focal_px=260.0)
-    recording = write_recording(tmp_path_factory.mktemp("data") / "room", frames=8, room=room)
-    graph = write_graph(tmp_path_factory.mktemp("graph"), recording)
-    with graph.open("a") as file:
-        file.write(f"  - id: gateway\n    params: {{port: {free_port()}}}\n")
-    with tempfile.TemporaryDirectory(prefix="sq") as runtime:
-        live = LiveGraph(graph, recording, Path(runtime))
-        try:
-            live.wait_until_settled()
-            yield live
-        finally:
-            assert live.close() == 0
+def live(room: SharedRoom) -> LiveGraph:
+    return room.live
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
+    expect.set_options(timeout=PATIENT_MS)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
             executable_path=CHROMIUM, args=["--no-sandbox", "--enable-unsafe-swiftshader"]
@@ -65,10 +54,9 @@ def page(live: LiveGraph, browser: Browser) -> Iterator[Page]:
     page.set_default_timeout(PATIENT_MS)
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))
-    address = re.search(r"open (http://\S+) in a browser", live.log.read_text())
-    assert address, live.log.read_text()
+    address = live.wait(lambda: re.search(r"open (http://\S+) in a browser", live.log.read_text()))
     page.goto(address[1])
-    expect(page.locator("#list li").first).to_be_attached(timeout=PATIENT_MS)
+    expect(page.locator("#list li").first).to_be_attached()
     yield page
     page.close()
     assert not errors
@@ -78,7 +66,7 @@ def ask(page: Page, question: str) -> None:
     page.get_by_label("What are you looking for?").fill(question)
     page.keyboard.press("Enter")
     expect(page.locator(".card h2").first).to_have_text(question)
-    expect(page.locator(".card .status").first).not_to_have_text("asking …", timeout=PATIENT_MS)
+    expect(page.locator(".card .status").first).not_to_have_text("asking …")
 
 
 def test_an_answer_is_shown_with_evidence_and_in_the_map(page: Page) -> None:
@@ -86,7 +74,7 @@ def test_an_answer_is_shown_with_evidence_and_in_the_map(page: Page) -> None:
     thing = page.locator(".card").first.locator(".thing").first
     expect(thing.locator("img")).to_have_attribute("src", re.compile("^blob:"))
     expect(thing.locator(".frame i")).to_be_visible()
-    expect(thing.locator("output")).to_have_text(re.compile(r"p [01]\.\d\d"))
+    expect(thing.locator("output")).to_have_text(re.compile(r"^(<1|\d+) %$"))
     chosen = thing.get_attribute("data-id")
     expect(page.locator("#cloud")).to_have_attribute("data-chosen", str(chosen))
     expect(page.locator(".card .why").first).to_contain_text(" ms")
@@ -98,8 +86,13 @@ def test_an_answer_is_shown_with_evidence_and_in_the_map(page: Page) -> None:
 def test_a_thing_is_asked_about_by_a_click_in_the_map(page: Page) -> None:
     box = page.locator("#cloud").bounding_box()
     assert box is not None
-    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    expect(page.locator(".card .said").first).to_contain_text("It may be: ", timeout=PATIENT_MS)
+    said = page.locator(".card .said").first
+    for _ in range(TRIES):  # until the points are there
+        page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        with contextlib.suppress(AssertionError):
+            expect(said).to_contain_text("It may be: ", timeout=PATIENT_MS / TRIES)
+            break
+    expect(said).to_contain_text("It may be: ")
 
 
 def test_a_thing_gets_a_name_and_answers_to_it(page: Page) -> None:
@@ -139,14 +132,14 @@ def test_a_node_is_seen_to_hang_and_to_come_back(live: LiveGraph, page: Page) ->
     node = page.locator("#nodes li", has_text="segmentation")
     expect(node).to_have_class("")
     os.kill(live.pids()["segmentation"], signal.SIGSTOP)
-    expect(node).to_have_class("gone", timeout=PATIENT_MS)
-    expect(node).to_have_class("", timeout=PATIENT_MS)  # the watchdog has replaced it
+    expect(node).to_have_class("gone")
+    expect(node).to_have_class("")  # the watchdog has replaced it
 
 
 def test_the_connection_is_lost_and_found_again(live: LiveGraph, page: Page) -> None:
     os.kill(live.pids()["gateway"], signal.SIGKILL)
-    expect(page.get_by_role("alert")).to_be_visible(timeout=PATIENT_MS)
-    expect(page.get_by_role("alert")).to_be_hidden(timeout=PATIENT_MS)
+    expect(page.get_by_role("alert")).to_be_visible()
+    expect(page.get_by_role("alert")).to_be_hidden()
     ask(page, "red ball")
     expect(page.locator(".card").first.locator(".thing").first).to_be_visible()
 
@@ -166,7 +159,7 @@ def test_it_fits_a_phone_and_needs_no_mouse(page: Page) -> None:
     ask(page, "red ball")
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     page.get_by_label("What are you looking for?").focus()
-    for name in ("Ask", "let the reasoner decide", "Show"):
+    for name in ("Ask", "think longer: let the reasoner decide", "Show"):
         page.keyboard.press("Tab")
         focused = (
             "document.activeElement.labels?.[0]?.innerText ?? document.activeElement.innerText"

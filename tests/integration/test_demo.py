@@ -16,7 +16,7 @@ from support.recording import write_recording
 
 pytestmark = pytest.mark.integration
 
-PATIENCE_S = 100.0
+PATIENCE_S = 240.0
 
 
 def start(folder: Path, *arguments: str) -> "subprocess.Popen[str]":

@@ -8,8 +8,6 @@ import base64
 import json
 import re
 import sys
-import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +15,8 @@ import cv2
 import numpy as np
 import pytest
 
-from support.live_graph import LiveGraph, run, write_graph
-from support.recording import write_recording
-from support.room import Room
+from support.live_graph import LiveGraph, run
+from support.shared_room import BLUE_BOX, RED_BALL, SharedRoom
 
 pytestmark = pytest.mark.integration
 
@@ -33,17 +30,8 @@ OF_THE_ANSWER = {"missing", "nearest_miss", "gone", "where", "last_seen"}
 
 
 @pytest.fixture(scope="module")
-def live(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveGraph]:
-    room = Room(size=(320, 240), focal_px=260.0)
-    recording = write_recording(tmp_path_factory.mktemp("data") / "room", frames=10, room=room)
-    graph = write_graph(tmp_path_factory.mktemp("graph"), recording)
-    with tempfile.TemporaryDirectory(prefix="sq") as runtime:
-        started = LiveGraph(graph, recording, Path(runtime))
-        try:
-            started.wait_until_settled()
-            yield started
-        finally:
-            assert started.close() == 0
+def live(room: SharedRoom) -> LiveGraph:
+    return room.live
 
 
 def asked(live: LiveGraph, text: str, topic: str = "ask", **more: str) -> dict[str, Any]:
@@ -54,9 +42,6 @@ def asked(live: LiveGraph, text: str, topic: str = "ask", **more: str) -> dict[s
 
 def centre(answer: dict[str, Any]) -> Any:
     return np.array(answer["instances"][0]["centre"])
-
-
-RED_BALL, BLUE_BOX = (-0.35, 0.95, 0.84), (0.3, 1.0, 0.82)
 
 
 def test_the_page_has_all_the_forms() -> None:

@@ -1,12 +1,8 @@
 """A recording through the whole graph, asked by strangers while it runs."""
 
 import json
-import os
-import signal
 import sys
-import tempfile
 from collections import Counter
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
@@ -17,53 +13,27 @@ from trimesh import load_scene
 
 from sceneq_nodes._client import Client
 
-from support.live_graph import LiveGraph, run, write_graph
-from support.recording import write_recording
+from support.live_graph import LiveGraph, run
 from support.rerun_file import contents
-from support.room import Room
+from support.shared_room import FRAMES, NODES, RED_BALL, SharedRoom
 
 pytestmark = pytest.mark.integration
 
-STATUS = "sceneq/query/room/status"
 CLIENTS = 8
-NODES = ("ingest", "segmentation", "mapping", "views", "encoding", "routing", "reasoning")
 
 
 @pytest.fixture(scope="module")
-def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    room = Room(size=(320, 240), focal_px=260.0)
-    return write_recording(tmp_path_factory.mktemp("data") / "room", frames=12, room=room)
-
-
-@pytest.fixture(scope="module")
-def graph(tmp_path_factory: pytest.TempPathFactory, recording: Path) -> Path:
-    return write_graph(tmp_path_factory.mktemp("graph"), recording)
-
-
-@pytest.fixture(scope="module")
-def runtime() -> Iterator[Path]:
-    """A short path: a unix socket lives in it."""
-    with tempfile.TemporaryDirectory(prefix="sq") as folder:
-        yield Path(folder)
-
-
-@pytest.fixture(scope="module")
-def settled(graph: Path, recording: Path, runtime: Path) -> Iterator[LiveGraph]:
-    live = LiveGraph(graph, recording, runtime)
-    try:
-        live.wait_until_settled()
-        yield live
-    finally:
-        assert live.close() == 0
+def settled(room: SharedRoom) -> LiveGraph:
+    return room.live
 
 
 def test_no_frame_is_lost_on_the_way(settled: LiveGraph) -> None:
     nodes = settled.status()
     assert set(NODES) <= set(nodes)
-    assert nodes["ingest"]["values"]["keyframes"] == 12
-    assert nodes["mapping"]["counters"]["frames_integrated"] == 12
+    assert nodes["ingest"]["values"]["keyframes"] == FRAMES
+    assert nodes["mapping"]["counters"]["frames_integrated"] == FRAMES
     # Routing wants the newest pose only; older ones are dropped by design.
-    dropped = {name: node["flows"]["dropped"] for name, node in nodes.items() if name != "routing"}
+    dropped = {name: nodes[name]["flows"]["dropped"] for name in NODES if name != "routing"}
     assert set(dropped.values()) == {0}
     assert sum(node["flows"]["undecodable"] for node in nodes.values()) == 0
 
@@ -73,15 +43,16 @@ def test_the_same_numbers_are_told_to_prometheus(settled: LiveGraph) -> None:
     assert told.endswith("# EOF\n")
     for node in NODES:
         assert f'sceneq_node_up{{kind="{node}",node="{node}"}} 1.0' in told
-    assert 'sceneq_events_total{event="frames_integrated",node="mapping"} 12.0' in told
+    mapped = 'sceneq_events_total{event="frames_integrated",node="mapping"}'
+    assert f"{mapped} {FRAMES}.0" in told
 
 
 def test_the_live_map_is_the_one_that_sceneq_map_makes(
-    settled: LiveGraph, graph: Path, recording: Path, tmp_path: Path
+    settled: LiveGraph, room: SharedRoom, tmp_path: Path
 ) -> None:
     mapped = run(
         sys.executable, "-m", "sceneq_tools", "map",
-        str(recording), str(tmp_path / "map"), "--graph", str(graph),
+        str(room.recording), str(tmp_path / "map"), "--graph", str(room.graph),
     )  # fmt: skip
     assert mapped.returncode == 0, mapped.stderr
     exported = settled.sceneq("export", str(tmp_path / "live"))
@@ -118,7 +89,7 @@ def test_a_running_graph_is_exported_with_the_pictures_it_is_known_from(
 def test_a_stranger_gets_an_answer_with_place_and_evidence(settled: LiveGraph) -> None:
     (answer,) = settled.zenoh_get("sceneq/query/room/instances?q=red ball;k=3")
     best = answer["instances"][0]
-    assert np.linalg.norm(np.subtract(best["centre"], (-0.35, 0.95, 0.84))) < 0.15
+    assert np.linalg.norm(np.subtract(best["centre"], RED_BALL)) < 0.15
     assert len(best["views"]) >= 3
     assert answer["route"] == "fast"
     assert answer["status"] in ("found", "ambiguous")
@@ -139,7 +110,7 @@ def test_the_command_line_answers_and_explains(settled: LiveGraph) -> None:
     assert done.returncode == 0, done.stderr
     answer = json.loads(done.stdout)
     assert answer["route"] == "reasoned"
-    assert np.linalg.norm(np.subtract(answer["instances"][0]["centre"], (-0.35, 0.95, 0.84))) < 0.2
+    assert np.linalg.norm(np.subtract(answer["instances"][0]["centre"], RED_BALL)) < 0.2
     shown = settled.zenoh_get("sceneq/query/room/instances?q=blue box", decoder="sceneq")[0]
     assert "blue box" in shown
 
@@ -162,54 +133,4 @@ def test_many_clients_at_once_all_get_an_answer_or_busy(settled: LiveGraph) -> N
         assert set(said) <= {"found", "ambiguous", "not_found", "busy"}
         assert said.total() == 400
         assert said.total() > said["busy"]
-        assert ask(clients[0], "red ball") != "busy"
-
-
-def test_a_killed_node_comes_back_and_queries_work_again(
-    graph: Path, recording: Path, runtime: Path
-) -> None:
-    live = LiveGraph(graph, recording, runtime, "--loop", "--rate", "5")
-    try:
-        live.wait(lambda: any(a.get("answerable") for a in live.zenoh_get(STATUS)))
-        for node in NODES:
-            before = live.pids()
-            os.kill(before[node], signal.SIGKILL)
-            live.wait(lambda node=node, old=before[node]: live.pids()[node] != old)
-            live.wait(lambda: live.zenoh_get("sceneq/query/room/instances?q=red ball"))
-            after = live.pids()
-            untouched = set(NODES) - {node}
-            assert [after[n] for n in untouched] == [before[n] for n in untouched], (
-                live.log.read_text()
-            )
-    finally:
-        assert live.close() == 0
-
-
-def test_what_was_answerable_stays_so_when_its_writers_are_killed(
-    graph: Path, recording: Path, runtime: Path
-) -> None:
-    live = LiveGraph(graph, recording, runtime)
-
-    def answers() -> tuple[int, int]:
-        (status,) = live.zenoh_get(STATUS)
-        return status["instances"], status["answerable"]
-
-    try:
-        live.wait_until_settled()
-        before = answers()
-        assert before[1] >= 5
-        for node in ("encoding", "views", "ingest"):
-            old = live.pids()[node]
-            os.kill(old, signal.SIGKILL)
-            assert answers() == before
-            live.wait(lambda node=node, old=old: live.status()[node].get("pid") not in (None, old))
-            assert answers() == before
-        # Ingest plays again what the map holds already: acknowledged at once, nothing changes.
-        live.wait_until_settled()
-        nodes = live.status()
-        assert nodes["mapping"]["counters"]["frames_integrated"] == 12
-        assert nodes["mapping"]["counters"]["frames_repeated"] >= 12
-        assert nodes["ingest"]["counters"].get("frames_lost", 0) == 0
-        assert answers() == before
-    finally:
-        assert live.close() == 0
+        settled.wait(lambda: ask(clients[0], "red ball") != "busy")

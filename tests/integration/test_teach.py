@@ -10,8 +10,6 @@ from typing import Any
 
 import pytest
 
-from sceneq_nodes._client import Client
-
 from support.live_graph import LiveGraph, write_graph
 from support.recording import write_recording
 from support.room import Room
@@ -35,12 +33,8 @@ def runtime() -> Iterator[Path]:
 
 def get(live: LiveGraph, selector: str) -> dict[str, Any]:
     """Ask as a program does; {} when nobody answers (yet)."""
-    try:
-        with Client(live.endpoint) as client:
-            replies, _ = client.get(selector)
-            return json.loads(replies[-1][1].payload) if replies else {}
-    except ConnectionError:
-        return {}
+    replies, _ = live.client.get(selector)
+    return json.loads(replies[-1][1].payload) if replies else {}
 
 
 def ask(live: LiveGraph, question: str) -> dict[str, Any]:
@@ -75,7 +69,8 @@ def test_a_name_outlives_the_process_that_was_told_and_the_whole_graph(
 
     live = LiveGraph(graph, recording, runtime, *store)
     try:
-        live.wait(lambda: mapped(live))
+        live.wait_until_settled()
+        assert mapped(live)
         ball = ask(live, "red ball")["instances"][0]["id"]
         told = live.sceneq("teach", str(ball), NAME, "--by", "anna")
         assert told.stdout == f"instance {ball} is '{NAME}' (individual, p 0.99)\n", told.stderr
@@ -88,7 +83,8 @@ def test_a_name_outlives_the_process_that_was_told_and_the_whole_graph(
         os.kill(old, signal.SIGKILL)
         assert live.wait(lambda: attached(live))[0]["id"] == ball
         assert live.pids()["routing"] != old
-        assert ask(live, NAME)["instances"][0]["id"] == ball
+        found = live.wait(lambda: ask(live, NAME).get("instances"))
+        assert found[0]["id"] == ball
     finally:
         assert live.close() == 0
 

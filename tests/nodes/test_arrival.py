@@ -5,6 +5,7 @@ import pytest
 
 from sceneq_core.ingest.transforms import angle_deg, distance_m, inverse
 from sceneq_core.visits import seq_of, visit_of
+from sceneq_nodes._held_frames import held_files, read_waiting
 
 from support.kept_scene import KeptScene, surface_error_m
 from support.papered_recording import write_walk
@@ -112,14 +113,23 @@ def test_what_is_not_found_is_held_and_counted(scene, recordings, tmp_path):
     kept = scene()
     kept.visit(recordings["first"])
     reported = kept.visit(recordings["elsewhere"], hold=4)
-    assert reported["arrival"] == "relocalising: 4 frames held"
+    assert reported["arrival"] == "relocalising: 4 held"
+    assert reported["unplaced"] == "1 visit not placed, 4 keyframes"
     assert kept.hub.counters["frames_integrated"] == len(FIRST)
     assert kept.hub.counters["frames_let_go"] == len(SECOND) - 4
     assert kept.visits()[1]["T_world_odom"] is None
-    assert (tmp_path / "room" / "held-r1.sqlite").is_file()
     kept.close()
-    assert kept.hub.counters["frames_unplaced"] == 4
-    assert not (tmp_path / "room" / "held-r1.sqlite").exists()
+    (held,) = held_files(tmp_path / "room")
+    assert read_waiting(held).keyframes == 4
+    assert kept.hub.counters["frames_unplaced"] == 0
+
+
+def test_without_a_store_what_is_held_ends_with_the_process_and_is_counted(scene, recordings):
+    kept = scene(folder=None)
+    kept.visit(recordings["first"])
+    kept.visit(recordings["elsewhere"], hold=2)
+    kept.close()
+    assert kept.hub.counters["frames_unplaced"] == 2
 
 
 def test_two_robots_make_one_map(scene, recordings):

@@ -11,8 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sceneq_nodes._bus import QueryError
 from sceneq_nodes._checkpoints import Checkpoints
 from sceneq_nodes._journal import Journal
+from sceneq_nodes._recent_deltas import FORGOTTEN
 from sceneq_nodes._set_aside import DamageError, StoreError
 from sceneq_nodes._store_params import StoreParams
 from sceneq_schemas.correction import PoseCorrection
@@ -63,8 +65,11 @@ def full_disk() -> Iterator[None]:
 
 def whole_map_asked_of(map_: DurableMap) -> bool:
     """Tell whether nobody can go on from deltas of before, not even from the first."""
-    parameters = {"epoch": "0", "after": "0"}
-    return map_.bus.query(MAP_JOURNAL, parameters=parameters) is None
+    try:
+        map_.bus.query(MAP_JOURNAL, parameters={"epoch": "0", "after": "0"})
+    except QueryError as error:
+        return error.code == FORGOTTEN
+    return False
 
 
 def flip(path: Path, place: int) -> None:
@@ -108,6 +113,20 @@ def test_corrections_and_proposals_come_back_in_their_order(tmp_path):
     assert whole.bus.counters["corrections_applied"] == 1
     assert grown(tmp_path / "a", 1, 3, 4, store=NEVER).digest() == whole.digest()
     assert grown(tmp_path / "b", 1, 3, 4, 5, store=EVERY_TIME).digest() == whole.digest()
+
+
+@pytest.mark.parametrize("store", [NEVER, EVERY_TIME], ids=["journal", "checkpoints"])
+def test_an_odometry_that_begins_anew_corrects_nothing_twice(tmp_path, store):
+    whole = DurableMap(None).show(0, 1, 2)
+    corrected(whole, 2, frame_seq=2)
+    whole.show(3)
+    map_ = DurableMap(tmp_path, store).show(0, 1, 2)
+    corrected(map_, 2, frame_seq=2)
+    map_.show(3).kill()
+    back = DurableMap(tmp_path, store).show(0, 1, 2)
+    corrected(back, 2, frame_seq=2)
+    assert back.bus.counters["corrections_applied"] == 0
+    assert back.show(3).digest() == whole.digest()
 
 
 def test_masks_that_the_graph_names_are_taken_once(tmp_path):

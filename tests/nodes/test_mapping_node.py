@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sceneq_core.mapping.replica import MapReplica
+from sceneq_nodes._bus import QueryError
 from sceneq_nodes._convert import map_delta_from_message
 from sceneq_nodes._images import frame_message
 from sceneq_nodes._params import ParamError, validate
@@ -104,7 +105,8 @@ def test_the_last_deltas_are_told_again():
     missed = told(epoch=str(epoch), after="1")
     assert (missed.epoch, missed.seq) == (epoch, 3)
     assert [encode(d) for d in missed.deltas] == [encode(d) for d in bus.sent(MAP_DELTA)[1:]]
-    assert told(epoch="5", after="1") is None
+    with pytest.raises(QueryError, match="forgotten"):
+        told(epoch="5", after="1")
     assert [d.seq for d in told(epoch="0", after="0").deltas] == [1, 2, 3]
 
 

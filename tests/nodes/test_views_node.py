@@ -10,14 +10,17 @@ from sceneq_core.views.selector import ViewSelector
 from sceneq_nodes._bus import QueryError, Reply
 from sceneq_nodes._convert import map_delta_message, view_set_message
 from sceneq_nodes._images import frame_message
+from sceneq_nodes._recent_deltas import FORGOTTEN
 from sceneq_nodes._wire import from_bytes, to_bytes
 from sceneq_nodes.mapping import MappingParams
 from sceneq_nodes.segmentation import SegmentationParams
 from sceneq_nodes.views import Views, ViewsParams
 from sceneq_schemas.codec import encode
+from sceneq_schemas.map import MapDeltas
 from sceneq_schemas.topics import (
     FRAME,
     MAP_DELTA,
+    MAP_JOURNAL,
     MAP_SNAPSHOT,
     VIEW_DELTA,
     VIEW_IMAGE,
@@ -57,6 +60,10 @@ def opened(bus: FakeBus, params: ViewsParams | None = None) -> Views:
 
 def acknowledged(bus: FakeBus) -> list[int]:
     return [message.frame_seq for message in bus.sent(VIEW_DELTA)]
+
+
+def forgotten(_request):
+    raise QueryError(FORGOTTEN, "not all of these deltas are known")
 
 
 def snapshot(bus: FakeBus):
@@ -187,6 +194,7 @@ def test_a_lost_map_delta_is_healed_from_the_snapshot(bus, stream):
     node = opened(bus)
     bus.deliver(node, FRAME, frames[0])
     bus.deliver(node, MAP_DELTA, deltas[0])
+    bus.answer(MAP_JOURNAL, forgotten)
     whole = map_delta_message(true_map.snapshot(), EPOCH, 4)
     bus.answer(MAP_SNAPSHOT, lambda _: Reply(to_bytes(MAP_SNAPSHOT, whole), ""))
     for frame in frames[1:]:
@@ -194,6 +202,26 @@ def test_a_lost_map_delta_is_healed_from_the_snapshot(bus, stream):
     node._map._next_ask = 0.0
     bus.deliver(node, MAP_DELTA, deltas[3])
     assert acknowledged(bus) == [0, 1, 2, 3]
+
+
+def test_a_writer_on_its_way_back_is_waited_for(bus, stream):
+    """It may still know every change; in the whole map older keyframes would look otherwise."""
+    frames, deltas, true_map = stream
+    node = opened(bus)
+    bus.deliver(node, FRAME, frames[0])
+    bus.deliver(node, MAP_DELTA, deltas[0])
+    whole = map_delta_message(true_map.snapshot(), EPOCH, 4)
+    bus.answer(MAP_SNAPSHOT, lambda _: Reply(to_bytes(MAP_SNAPSHOT, whole), ""))
+    for frame in frames[1:]:
+        bus.deliver(node, FRAME, frame)
+    node._map._next_ask = 0.0
+    bus.deliver(node, MAP_DELTA, deltas[3])
+    assert acknowledged(bus) == [0]
+    missed = MapDeltas(EPOCH, 3, tuple(deltas[1:3]))
+    bus.answer(MAP_JOURNAL, lambda _: Reply(to_bytes(MAP_JOURNAL, missed), ""))
+    node._map._next_ask = 0.0
+    node.step(None)
+    assert acknowledged(bus)[:4] == [0, 1, 2, 3]
 
 
 def test_a_change_without_a_keyframe_is_told_when_it_is_quiet(bus, stream):

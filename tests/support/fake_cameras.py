@@ -7,9 +7,15 @@ from typing import Any
 import numpy as np
 
 from support.data_sets import units
-from support.seven_scenes import SIZE, color
+from support.more_data_sets import arkit_pose
+from support.seven_scenes import SIZE, K, color
 
 STAMP_MS = 33.0
+
+
+def pinhole(*names: str) -> dict[str, float]:
+    """Return focal lengths and centre of the camera under the names of a maker."""
+    return dict(zip(names, (K[0, 0], K[1, 1], K[0, 2], K[1, 2]), strict=True))
 
 
 class GoneError(RuntimeError):
@@ -44,7 +50,7 @@ def realsense(
 ) -> ModuleType:
     """Return ``pyrealsense2`` with one camera."""
     told = SimpleNamespace(
-        width=SIZE[0], height=SIZE[1], fx=50.0, fy=50.0, ppx=31.5, ppy=23.5,
+        width=SIZE[0], height=SIZE[1], **pinhole("fx", "fy", "ppx", "ppy"),
         model="brown_conrady", coeffs=list(coeffs),
     )  # fmt: skip
 
@@ -117,8 +123,7 @@ def depthai(wall: Wall) -> ModuleType:
             wall.open()
 
         def readCalibration(self) -> Any:  # noqa: N802
-            K = [[50.0, 0, 31.5], [0, 50.0, 23.5], [0, 0, 1]]
-            return SimpleNamespace(getCameraIntrinsics=lambda socket, width, height: K)
+            return SimpleNamespace(getCameraIntrinsics=lambda socket, w, h: K.tolist())
 
     return _module(
         "depthai", Device=Device, DeviceInfo=str, Pipeline=Pipeline,
@@ -149,12 +154,12 @@ def orbbec(wall: Wall, k1: float = 0.0) -> ModuleType:
             wall.open()
 
         def get_camera_param(self) -> Any:
-            pinhole = SimpleNamespace(
-                fx=50.0, fy=50.0, cx=31.5, cy=23.5, width=SIZE[0], height=SIZE[1]
+            straight = SimpleNamespace(
+                **pinhole("fx", "fy", "cx", "cy"), width=SIZE[0], height=SIZE[1]
             )
             names = ("k2", "k3", "k4", "k5", "k6", "p1", "p2")
             bent = SimpleNamespace(k1=k1, **dict.fromkeys(names, 0.0))
-            return SimpleNamespace(rgb_intrinsic=pinhole, rgb_distortion=bent)
+            return SimpleNamespace(rgb_intrinsic=straight, rgb_distortion=bent)
 
         def wait_for_frames(self, wait_ms: int) -> Any:
             number = wall.next()
@@ -189,15 +194,18 @@ def record3d(wall: Wall, device_type: int = 1) -> ModuleType:
 
         def send(self) -> None:
             number = wall.next()
+            if number is None:
+                return
             rgb, depth = color(number), (units(number, 1000) / 1000).astype(np.float32)
             depth[0, 2] = np.nan
             self.get_rgb_frame, self.get_depth_frame = (lambda: rgb), (lambda: depth)
             confidence = np.full(depth.shape, 2, np.uint8)
             confidence[-1] = 0
             self.get_confidence_frame = lambda: confidence
-            told = SimpleNamespace(fx=50.0, fy=50.0, tx=31.5, ty=23.5)
+            told = SimpleNamespace(**pinhole("fx", "fy", "tx", "ty"))
             self.get_intrinsic_mat = lambda: told
-            pose = SimpleNamespace(qx=0.0, qy=0.0, qz=0.0, qw=1.0, tx=0.01 * number, ty=0.0, tz=0.0)
+            names = ("qx", "qy", "qz", "qw", "tx", "ty", "tz")
+            pose = SimpleNamespace(**dict(zip(names, arkit_pose(number), strict=True)))
             self.get_camera_pose, self.get_device_type = (lambda: pose), (lambda: device_type)
             self.on_new_frame()
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from sceneq_core.mapping.mapper import MapperParams
 from sceneq_core.mapping.replica import MapReplica
-from sceneq_nodes._arrival import ArrivalParams
+from sceneq_nodes._arrival_params import ArrivalParams
 from sceneq_nodes._bus import Context
 from sceneq_nodes._convert import map_delta_from_message
 from sceneq_nodes._wire import from_bytes
@@ -87,6 +87,10 @@ class KeptScene:
     def things(self):
         """Return the instances of the map that are objects."""
         return [i for i in self.map().instances.values() if i.state != "removed"]
+
+    def frames(self):
+        """Return the numbers of the frames that are in the map."""
+        return set(self.hub.nodes["mapping"]._mapped._done)
 
     def views_of(self, instance_id: int):
         """Return the frame numbers of the views that were chosen of an instance."""

@@ -6,6 +6,7 @@ Run as ``python tests/support/toy_node.py toy --endpoint ...``.
 import hashlib
 import json
 import sys
+import threading
 import time
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -29,7 +30,9 @@ class ToyParams:
 
 
 class Toy:
-    """``source`` of a pose: ``sleep`` and ``compute`` never return, ``crash`` raises."""
+    """``source`` of a pose: ``sleep`` and ``compute`` never return, ``crash`` raises, ``release``
+    lets the queries go that wait.
+    """
 
     Params: ClassVar[type] = ToyParams
     idle_s: ClassVar[float] = 0.2
@@ -37,6 +40,7 @@ class Toy:
     def __init__(self, params: ToyParams, context: Context) -> None:
         self.params = params
         self.context = context
+        self.released = threading.Event()
 
     def open(self, bus: Bus) -> None:
         if self.params.missing:
@@ -49,7 +53,8 @@ class Toy:
         if received is None:
             self.bus.count("idle")
             return
-        act = {"sleep": sleep, "compute": compute, "crash": crash}.get(received.message.source)
+        acts = {"sleep": sleep, "compute": compute, "crash": crash, "release": self.released.set}
+        act = acts.get(received.message.source)
         if act is not None:
             act()
         self.bus.publish(POSE, received.message, robot="echo")
@@ -64,7 +69,7 @@ class Toy:
             case "fail":
                 raise RuntimeError("broken")
             case "wait":
-                time.sleep(0.3)
+                self.released.wait(60)
             case "alive":
                 return reply(alive=sorted(self.bus.alive()))
         return reply(

@@ -1,6 +1,7 @@
 """What scenarios tell, how they are run, and the table of policies in docs/reliability.md."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -73,12 +74,15 @@ def test_the_table_says_how_to_do_it_again() -> None:
 
 
 def test_what_differs_is_named_with_its_place() -> None:
-    whole = Known("aa", '[{"id": 1, "views": [{"seq": 5}]}]', "[]")
+    views = '{"7": [{"seq": [3, 0], "px": 4}]}'
+    whole = Known("aa", '[{"id": 1, "views": [{"seq": 5}]}]', views, "{}", "[]")
     assert whole.lost(whole) == NOTHING
-    other = Known("aa", '[{"id": 1, "views": [{"seq": 7}]}]', "[]")
+    other = replace(whole, instances='[{"id": 1, "views": [{"seq": 7}]}]')
     assert other.lost(whole) == "instances (instances[0].views[0].seq: 7 is not 5)"
     assert other.lost_but_views(whole) == "nothing of the map; views chosen anew"
-    gone = Known("bb", "[]", "[]")
+    smaller = replace(whole, views=views.replace("4", "2"))
+    assert smaller.lost(whole) == "views (views.7[0].px: 2 is not 4)"
+    gone = replace(whole, digest="bb", instances="[]")
     assert gone.lost_but_views(whole).startswith("digest, instances (digest bb, not aa)")
 
 

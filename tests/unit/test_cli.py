@@ -102,6 +102,7 @@ def bus(monkeypatch: pytest.MonkeyPatch) -> FakeClient:
     )
     monkeypatch.setattr(scenes, "Client", lambda endpoint: client)
     monkeypatch.setattr(status, "LISTEN_S", 0.0)
+    monkeypatch.setattr(status, "PATIENCE_S", 0.0)
     return client
 
 

@@ -18,6 +18,10 @@ BEGIN = 1 << 32
 
 
 def delta(seq):
+    return replace(NOTHING, seq=seq, quarantined="blurred")
+
+
+def quiet(seq):
     return replace(NOTHING, seq=seq)
 
 
@@ -44,6 +48,16 @@ def test_what_is_forgotten_is_not_passed_over(monkeypatch):
     assert seqs(recent, 1) == [2, 3]
 
 
+def test_what_says_nothing_drives_nothing_out(monkeypatch):
+    monkeypatch.setattr(_recent_deltas, "MAX_DELTAS", 2)
+    monkeypatch.setattr(_recent_deltas, "MAX_QUIET", 2)
+    recent = RecentDeltas()
+    for one in (delta(1), quiet(2), quiet(3), delta(4), quiet(5)):
+        recent.add(one)
+    assert seqs(recent, 0) == [1, 3, 4, 5]
+    assert seqs(recent, 2) == [3, 4, 5]
+
+
 def test_large_deltas_are_forgotten_sooner(monkeypatch):
     monkeypatch.setattr(_recent_deltas, "MAX_VOXELS", 5)
     recent = RecentDeltas()
@@ -60,6 +74,13 @@ def test_the_end_of_the_last_run_comes_first():
     assert seqs(recent, 4) == [5, 7, BEGIN + 1]
     assert seqs(recent, 7) == [BEGIN + 1]
     assert seqs(recent, BEGIN) == [BEGIN + 1]
+
+
+def test_the_last_run_is_known_up_to_its_last_word():
+    recent = RecentDeltas(complete_after=4, begin=BEGIN, before=[delta(5), quiet(6)])
+    assert seqs(recent, 4) == [5, 6]
+    assert recent.after(6) == ()
+    assert recent.after(7) is None
 
 
 def test_who_heard_more_than_reached_the_disk_needs_the_whole_map():

@@ -1,6 +1,8 @@
 """Every encoding of an image, pixel by pixel."""
 
 import struct
+import tracemalloc
+import zlib
 
 import cv2
 import numpy as np
@@ -14,6 +16,7 @@ from sceneq_nodes.ros.pictures import (
 )
 from sceneq_nodes.ros.typestore import WireError, typestore
 
+from support.more_data_sets import rvl
 from support.ros_robot import COMPRESSED, IMAGE, Robot
 
 ROBOT = Robot()
@@ -143,6 +146,83 @@ def test_compressed_depth_with_rvl():
     data = struct.pack("<iffii", 0, 0.0, 0.0, 4, 1) + words
     message = sent(ROBOT.compressed(data, "16UC1; compressedDepth rvl"))
     assert compressed_depth_mm(message).tolist() == [[0, 0, 5, 3]]
+
+
+def rvl_message(depth, size=None, head=(0, 0.0, 0.0), words=None, text="16UC1"):
+    """Depth as compressed_depth_image_transport sends it with ``format: rvl``."""
+    data = rvl(depth) if words is None else words
+    size = size or (depth.shape[1], depth.shape[0])
+    data = struct.pack("<iffii", *head, *size) + data
+    return sent(ROBOT.compressed(data, f"{text}; compressedDepth rvl"))
+
+
+def test_compressed_depth_with_rvl_in_metres():
+    found = compressed_depth_mm(
+        rvl_message(np.array([[0, 10_000, 3950]], np.uint16), head=(0, 1e4, -50.0), text="32FC1")
+    )
+    assert found.tolist() == [[0, 995, 2500]]
+
+
+def test_rvl_of_a_camera_comes_back():
+    rng = np.random.default_rng(3)
+    depth = np.cumsum(rng.integers(-40, 41, (48, 64)), axis=1) + 3000
+    depth = np.where(rng.random((48, 64)) < 0.3, 0, depth).astype(np.uint16)
+    depth[0, :4] = (0, 65534, 1, 65535)
+    expected = np.where(depth == 65535, 0, depth)
+    np.testing.assert_array_equal(compressed_depth_mm(rvl_message(depth)), expected)
+    whole = rvl(depth)
+    for kept in (0, 3, 4, len(whole) // 2, len(whole) - 4):
+        with pytest.raises(WireError, match="RVL is cut off"):
+            compressed_depth_mm(rvl_message(depth, words=whole[:kept]))
+
+
+def nibbles(text):
+    return struct.pack(
+        f"<{len(text) // 8}I", *(int(text[i : i + 8], 16) for i in range(0, len(text), 8))
+    )
+
+
+@pytest.mark.parametrize(
+    ("size", "words", "said"),
+    [
+        ((1 << 14, 1 << 14), b"", "16384 x 16384 pixels, the limit"),
+        ((1 << 30, 1 << 30), b"", "pixels, the limit"),
+        ((0, 5), b"", "0 x 5 pixels"),
+        ((-4, -4), b"", "-4 x -4 pixels"),
+        ((4, 1), nibbles("ff0f0000"), "RVL is damaged at pixel 63"),  # a run over the end
+        ((4, 1), nibbles("00000000"), "RVL is damaged at pixel 0"),  # runs of nothing
+        ((4, 1), nibbles("ffffffff" * 4 + "70000000"), "more than 30 bits"),
+        ((2, 1), nibbles("02110000"), "a depth does not fit 16 bits"),  # -1
+        ((1, 1), nibbles("018888882" + "0000000"), "a depth does not fit 16 bits"),
+        ((8, 1), b"\xff" * (1 << 20), "RVL is cut off"),  # one number without an end
+    ],
+)
+def test_rvl_that_is_a_bomb_or_damaged_is_refused(size, words, said):
+    with pytest.raises(WireError, match=said):
+        compressed_depth_mm(rvl_message(None, size, words=words))
+
+
+def test_a_long_tail_of_rvl_is_not_read():
+    tracemalloc.start()
+    try:
+        message = rvl_message(np.array([[7, 0, 9]], np.uint16))
+        message.data = np.concatenate([message.data, np.full(1 << 22, 0x11, np.uint8)])
+        assert compressed_depth_mm(message).tolist() == [[7, 0, 9]]
+        assert tracemalloc.get_traced_memory()[1] < 5 * (1 << 22)  # the message, and copies of it
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("text", ["16UC1; compressedDepth png", "16UC1; png"])
+def test_a_png_of_depth_is_whole_and_of_a_size_that_can_be(text):
+    head = struct.pack("<iff", 0, 0.0, 0.0) if "compressedDepth" in text else b""
+    whole = png(np.arange(4096, dtype=np.uint16).reshape(64, 64))
+    with pytest.raises(WireError, match="cut off"):
+        compressed_depth_mm(sent(ROBOT.compressed(head + whole[:-300], text)))
+    chunk = b"IHDR" + struct.pack(">II", 1 << 15, 1 << 15) + whole[24:29]
+    large = whole[:12] + chunk + struct.pack(">I", zlib.crc32(chunk)) + whole[33:]
+    with pytest.raises(WireError, match="32768 x 32768 pixels, the limit"):
+        compressed_depth_mm(sent(ROBOT.compressed(head + large, text)))
 
 
 def test_plain_png_depth():

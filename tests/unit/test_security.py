@@ -13,15 +13,18 @@ from typer.testing import CliRunner
 
 from sceneq_nodes._credentials import VARIABLE, Credentials, given_credentials
 from sceneq_nodes._session import client_config
+from sceneq_nodes.ros.passage import RosKeys
 from sceneq_schemas.topics import CONTROL, FRAME, MAP_DELTA, MAP_SNAPSHOT, TEACH_SET
 from sceneq_tools.cli import app
 from sceneq_tools.errors import UserError
-from sceneq_tools.graph import Router
-from sceneq_tools.graph_plan import encrypted
-from sceneq_tools.launcher import node_credentials
+from sceneq_tools.graph import Override, Router, load
+from sceneq_tools.graph_plan import encrypted, plan
+from sceneq_tools.launcher import need_ros_passage, node_credentials
 from sceneq_tools.security.access import access_rules
 from sceneq_tools.security.authority import Authority
-from sceneq_tools.security.roles import ROLES, grants
+from sceneq_tools.security.roles import NO_ROS, ROLES, grants
+from sceneq_tools.security.ros_keys import denied, keys_in_graph
+from sceneq_tools.security.site import Site
 
 NOW = datetime(2030, 1, 2, 3, tzinfo=UTC)
 
@@ -36,11 +39,11 @@ def issued(folder: Path, subject: str = "client", hosts: tuple[str, ...] = ()) -
     return folder / "one"
 
 
-def may(role: str, message: str, flow: str, key: str, scene: str | None = None) -> bool:
+def may(role: str, message: str, flow: str, key: str, ros: RosKeys = NO_ROS) -> bool:
     """Tell whether a role's grants name exactly this key."""
     return any(
         message in grant.messages and flow in grant.flows and key in grant.keys
-        for grant in grants(role, scene)
+        for grant in grants(role, ros=ros)
     )
 
 
@@ -130,14 +133,77 @@ def test_a_role_of_one_scene_names_no_other() -> None:
 
 
 def test_the_rules_deny_by_default_and_every_policy_names_what_exists() -> None:
-    access = access_rules(["kitchen"])
+    access = access_rules(Site(("kitchen",)))
     assert (access["enabled"], access["default_permission"]) == (True, "deny")
     assert {rule["permission"] for rule in access["rules"]} == {"allow"}
     names = {subject["id"] for subject in access["subjects"]}
-    assert names == {*ROLES, "client.kitchen", "viewer.kitchen"}
+    assert names == {*ROLES, "client.kitchen", "viewer.kitchen"} - {"ros"}
     used = [rule for policy in access["policies"] for rule in policy["rules"]]
     assert sorted(used) == sorted(rule["id"] for rule in access["rules"])
     assert all(subject["cert_common_names"] == [subject["id"]] for subject in access["subjects"])
+
+
+ROS_GRAPH = """\
+scene: arm
+nodes:
+  - id: ingest
+    params:
+      source:
+        kind: ros2
+        colour_topic: /cam/color/image_raw
+        depth_topic: /cam/depth/image_raw
+        dialect: jazzy
+        domain: 7
+        pose: {kind: topic, topic: /odom}
+  - {id: ros, params: {domain: 7}}
+"""
+COLOUR, DETECTIONS = "7/cam/color/image_raw/*/*", "7/scene_q/detections/*/*"
+STATIC = "7/tf_static/*/*"
+
+
+def ros_graph(folder: Path) -> Path:
+    (folder / "graph.yaml").write_text(ROS_GRAPH)
+    return folder / "graph.yaml"
+
+
+def test_of_ros_those_topics_pass_that_the_graph_names(tmp_path: Path) -> None:
+    ros = keys_in_graph(ros_graph(tmp_path))
+    stems = ("cam/color/camera_info", "cam/color/image_raw", "cam/depth/camera_info",
+             "cam/depth/image_raw", "odom", "tf", "tf_static")  # fmt: skip
+    assert ros.read == tuple(f"7/{stem}/*/*" for stem in stems)
+    assert ros.written == tuple(f"7/scene_q/{n}/*/*" for n in ("cloud", "detections", "markers"))
+    assert (ros.latched, ros.tokens) == ((STATIC,), ("@ros2_lv/7/**",))
+    assert may("ros", "put", "ingress", COLOUR, ros)
+    assert may("robot", "put", "egress", COLOUR, ros)
+    assert may("robot", "put", "ingress", DETECTIONS, ros)
+    assert may("ros", "put", "egress", DETECTIONS, ros)
+    assert may("ros", "declare_queryable", "ingress", f"{STATIC}/@adv/**", ros)
+    assert may("ros", "reply", "ingress", STATIC, ros)
+    assert not may("ros", "put", "ingress", DETECTIONS, ros)
+    assert not may("robot", "put", "ingress", COLOUR, ros)
+    keys = {key for grant in grants("ros", ros=ros) for key in grant.keys}
+    assert not [key for key in keys if key.startswith("sceneq/")]
+    for role in ("client", "viewer", "operator"):
+        assert grants(role, ros=ros) == grants(role)
+
+
+def test_keys_of_ros_are_denied_until_a_graph_is_told(tmp_path: Path) -> None:
+    site, graph = str(tmp_path / "site"), ros_graph(tmp_path)
+    run("init", site)
+    with pytest.raises(UserError, match="ros: no topics are let through"):
+        run("issue", site, "ros", "--out", str(tmp_path / "arm"))
+    router = Credentials(tmp_path / "site" / "router")
+    assert "7/tf/*/*" in denied(router.access(), keys_in_graph(graph))
+    loaded, document = load(graph, [Override("", ("secure",), site, "--secure")])
+    with pytest.raises(UserError, match=r"let no 7/cam/color/camera_info/\*/\* pass \(sceneq sec"):
+        need_ros_passage(plan(loaded, document, "local"))
+    assert "all scenes together, 10 keys of ROS" in run("init", site, "--graph", str(graph))
+    assert denied(router.access(), keys_in_graph(graph)) == []
+    need_ros_passage(plan(loaded, document, "local"))
+    assert "arm: ros" in run("issue", site, "ros", "--out", str(tmp_path / "arm"))
+    assert "10 keys of ROS" in run("init", site, "--scene", "kitchen")  # they stay
+    graph.write_text("nodes: [{id: mapping}]")
+    assert "ROS" not in run("init", site, "--graph", str(graph))
 
 
 def test_with_credentials_every_link_is_encrypted() -> None:

@@ -1,7 +1,6 @@
 """The same question asked by many at once is solved once."""
 
 import threading
-import time
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -10,11 +9,13 @@ import numpy as np
 import pytest
 
 from sceneq_core.reasoning.reasoner import Problem, UnansweredError, Usage, Verdict
-from sceneq_core.routing.remembered import RememberedParams
+from sceneq_core.routing.remembered import RememberedParams, still_holds
+from sceneq_nodes import _shared_verdicts
 from sceneq_nodes._shared_verdicts import SharedVerdicts
 
+PATIENCE_S = 25.0
 UP = np.array([0.0, 0.0, 1.0])
-QUESTION = Problem("the cup", "cup", (), (), UP, np.zeros(3), time_s=5.0)
+QUESTION = Problem("the cup", "cup", (), (), UP, np.zeros(3), time_s=60.0)
 OTHER = replace(QUESTION, text="the bowl", target="bowl")
 VERDICT = Verdict(((6, 0.8),), "seen", 1, Usage(1600, 9, 0.01))
 PAID_FOR = replace(VERDICT, cached=True)
@@ -33,7 +34,7 @@ class Slow:
     def solve(self, problem: Problem) -> Verdict:
         self.asked.append(problem)
         self.entered.release()
-        assert self.go.wait(10.0)
+        assert self.go.wait(PATIENCE_S)
         if len(self.asked) <= self.failures:
             raise UnansweredError("the model is down", 1)
         return VERDICT
@@ -50,11 +51,11 @@ def test_many_askers_share_one_call():
     verdicts = slow.shared()
     with ThreadPoolExecutor(8) as pool:
         futures = [pool.submit(verdicts.solve, QUESTION) for _ in range(8)]
-        assert slow.entered.acquire(timeout=5.0)
+        assert slow.entered.acquire(timeout=PATIENCE_S)
         other = pool.submit(verdicts.solve, OTHER)
         slow.go.set()
-        told = [future.result(10.0) for future in futures]
-        assert other.result(10.0) == VERDICT
+        told = [future.result(PATIENCE_S) for future in futures]
+        assert other.result(PATIENCE_S) == VERDICT
     assert [one.text for one in slow.asked].count("the cup") == 1
     assert told.count(VERDICT) == 1
     assert told.count(PAID_FOR) == 7
@@ -70,34 +71,47 @@ def test_afterwards_it_is_known():
     assert slow.counted == {"verdicts_cached": 1}
 
 
-def test_a_failure_is_shared_and_not_remembered():
+@pytest.fixture
+def joined(monkeypatch):
+    """Counts who found the same question under way, and now waits for its verdict."""
+    joined = threading.Semaphore(0)
+
+    def holds(*problems):
+        joined.release()
+        return still_holds(*problems)
+
+    monkeypatch.setattr(_shared_verdicts, "still_holds", holds)
+    return joined
+
+
+def test_a_failure_is_shared_and_not_remembered(joined):
     slow = Slow(failures=1)
     verdicts = slow.shared()
     with ThreadPoolExecutor(4) as pool:
         first = pool.submit(verdicts.solve, QUESTION)
-        assert slow.entered.acquire(timeout=5.0)
-        others = [pool.submit(verdicts.solve, replace(QUESTION, time_s=4.0)) for _ in range(3)]
-        time.sleep(0.2)
+        assert slow.entered.acquire(timeout=PATIENCE_S)
+        others = [pool.submit(verdicts.solve, replace(QUESTION, time_s=40.0)) for _ in range(3)]
+        assert all(joined.acquire(timeout=PATIENCE_S) for _ in others)
         slow.go.set()
-        errors = [one.exception(10.0) for one in (first, *others)]
+        errors = [one.exception(PATIENCE_S) for one in (first, *others)]
     assert [str(error) for error in errors] == ["the model is down"] * 4
     assert [error.vlm_calls for error in errors] == [1, 0, 0, 0]
     assert len(slow.asked) == 1
     assert verdicts.solve(QUESTION) == VERDICT
 
 
-def test_who_has_more_time_tries_again():
+def test_who_has_more_time_tries_again(joined):
     slow = Slow(failures=1)
     verdicts = slow.shared()
     with ThreadPoolExecutor(2) as pool:
-        hurried = pool.submit(verdicts.solve, replace(QUESTION, time_s=1.0))
-        assert slow.entered.acquire(timeout=5.0)
+        hurried = pool.submit(verdicts.solve, replace(QUESTION, time_s=30.0))
+        assert slow.entered.acquire(timeout=PATIENCE_S)
         patient = pool.submit(verdicts.solve, QUESTION)
-        time.sleep(0.2)
+        assert joined.acquire(timeout=PATIENCE_S)
         slow.go.set()
-        assert isinstance(hurried.exception(10.0), UnansweredError)
-        assert patient.result(10.0) == VERDICT
-    assert 4.0 < slow.asked[1].time_s < 5.0
+        assert isinstance(hurried.exception(PATIENCE_S), UnansweredError)
+        assert patient.result(PATIENCE_S) == VERDICT
+    assert 30.0 < slow.asked[1].time_s < 60.0
 
 
 def test_nobody_waits_longer_than_his_own_time():
@@ -105,11 +119,11 @@ def test_nobody_waits_longer_than_his_own_time():
     verdicts = slow.shared()
     with ThreadPoolExecutor(1) as pool:
         patient = pool.submit(verdicts.solve, QUESTION)
-        assert slow.entered.acquire(timeout=5.0)
+        assert slow.entered.acquire(timeout=PATIENCE_S)
         with pytest.raises(UnansweredError, match="under way, but not answered yet"):
             verdicts.solve(replace(QUESTION, time_s=0.05))
         slow.go.set()
-        assert patient.result(10.0) == VERDICT
+        assert patient.result(PATIENCE_S) == VERDICT
 
 
 def test_the_same_words_about_another_map_are_solved_apart():
@@ -118,11 +132,11 @@ def test_the_same_words_about_another_map_are_solved_apart():
     newer = replace(QUESTION, map_epoch=1)
     with ThreadPoolExecutor(2) as pool:
         old = pool.submit(verdicts.solve, QUESTION)
-        assert slow.entered.acquire(timeout=5.0)
+        assert slow.entered.acquire(timeout=PATIENCE_S)
         new = pool.submit(verdicts.solve, newer)
-        assert slow.entered.acquire(timeout=5.0)
+        assert slow.entered.acquire(timeout=PATIENCE_S)
         slow.go.set()
-        assert old.result(10.0) == new.result(10.0) == VERDICT
+        assert old.result(PATIENCE_S) == new.result(PATIENCE_S) == VERDICT
     assert len(slow.asked) == 2
 
 

@@ -13,7 +13,7 @@ from sceneq_tools.chaos.scenario import NOTHING, Outcome, Plan
 
 NODES = ("mapping", "views", "encoding", "routing", "segmentation", "ingest", "reasoning")
 EVERYBODY = ("router", *NODES)
-SHORT_VICTIMS = ("router", "mapping", "views", "routing")
+SHORT_VICTIMS = ("router", "mapping", "views", "encoding", "routing")
 AT_A_TIME = 4
 PAUSE_S = 2.0
 """Less than the watchdog waits."""
@@ -69,8 +69,9 @@ def _harmed(
     order = [victim for _ in range(rounds) for victim in chance.sample(victims, len(victims))]
     times: Counter[str] = Counter()
     losses: dict[str, str] = {}
-    for number, start in enumerate(range(0, len(order), AT_A_TIME)):
-        group = order[start : start + AT_A_TIME]
+    at_a_time = plan.pick(AT_A_TIME, len(order))
+    for number, start in enumerate(range(0, len(order), at_a_time)):
+        group = order[start : start + at_a_time]
         with live(plan, "--store", str(plan.work / str(number))) as graph:
             graph.wait(lambda graph=graph: graph.value("ingest", "state") == "playing")  # type: ignore[misc]
             for victim in group:

@@ -5,15 +5,20 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, fields
+from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sceneq_nodes._client import Client
-from sceneq_schemas.topics import QUERY_INSTANCES
+from sceneq_nodes._wire import from_bytes
+from sceneq_schemas.topics import FEATURE_SNAPSHOT, QUERY_INSTANCES, VIEW_SNAPSHOT
 from sceneq_tools.chaos.live_graph import LiveGraph, write_graph
 from sceneq_tools.chaos.scenario import NOTHING, Plan
 from sceneq_tools.chaos.small_recording import write_small_sample
+
+if TYPE_CHECKING:
+    from sceneq_tools.collect import Get
 
 SCENE = "small"
 QUESTIONS = ("red thing", "table", "the ball on the table", "how many boxes are there?")
@@ -25,17 +30,25 @@ TIMEOUT_S = 20.0
 SHORT_FRAMES, FRAMES = 8, 14
 
 
+VARYING = ("map", "query_id", "took_ms", "cached")
+"""What no two runs say alike of a question: numbers of revisions and questions, and times."""
+
+
 @dataclass(frozen=True, slots=True)
 class Known:
-    """The digest of the map, all that is said of its instances, and answers without their times."""
+    """The digest of the map, and as JSON all that is said of its instances, their views with their
+    masks, their descriptors, and answers without their times.
+    """
 
     digest: str
     instances: str
+    views: str
+    descriptors: str
     answers: str
 
     def lost(self, whole: "Known") -> str:
         """Return what is not as in ``whole``, ``nothing`` when all is."""
-        names = ("digest", "instances", "answers")
+        names = [field.name for field in fields(self)]
         differing = [name for name in names if getattr(self, name) != getattr(whole, name)]
         return f"{', '.join(differing)} ({self._difference(whole)})" if differing else NOTHING
 
@@ -47,7 +60,7 @@ class Known:
         """Return where the first difference is."""
         if self.digest != whole.digest:
             return f"digest {self.digest}, not {whole.digest}"
-        for name in ("instances", "answers"):
+        for name in ("instances", "views", "descriptors", "answers"):
             one, other = json.loads(getattr(self, name)), json.loads(getattr(whole, name))
             if found := _first_difference(one, other):
                 return f"{name}{found}"
@@ -81,7 +94,7 @@ def undisturbed(plan: Plan) -> Known:
     kept = plan.together / "undisturbed.json"
     if not kept.exists():
         with live(plan) as graph:
-            kept.write_text(json.dumps(_parts(settled(graph))))
+            kept.write_text(json.dumps(asdict(settled(graph))))
     return Known(**json.loads(kept.read_text()))
 
 
@@ -109,14 +122,12 @@ def known(client: Client) -> Known:
     from sceneq_tools.collect import collect
     from sceneq_tools.export_command import getter
 
-    files = collect(getter(client, SCENE), SCENE)
+    get = getter(client, SCENE)
+    files = collect(get, SCENE)
     told = files.document(files.cloud())
-    answers = [asked(client, question) for question in QUESTIONS]
-    return Known(
-        told["digest"],
-        json.dumps(told["instances"], sort_keys=True),
-        json.dumps([[one["status"], one["instances"]] for one in answers], sort_keys=True),
-    )
+    answers = [_lasting(asked(client, question)) for question in QUESTIONS]
+    parts = told["instances"], _views(get), _descriptors(get, files.descriptors.model), answers
+    return Known(told["digest"], *(json.dumps(part, sort_keys=True) for part in parts))
 
 
 def asked(client: Client, question: str) -> dict[str, Any]:
@@ -133,6 +144,44 @@ def asked(client: Client, question: str) -> dict[str, Any]:
     return answer
 
 
+def _views(get: "Get") -> Any:
+    """Return the views of every instance: keyframe, box, pixels, and the mask's digest."""
+    reply = get(VIEW_SNAPSHOT, {})
+    sets = from_bytes(VIEW_SNAPSHOT, reply.payload).view_sets if reply else ()
+    return {
+        str(one.instance_id): [
+            {
+                "seq": [view.seq, view.stamp_ns],
+                "px": view.visible_px,
+                "box": view.box_xyxy.tolist(),
+                "mask": [*view.mask_shape, sha256(view.mask_bits).hexdigest()],
+            }
+            for view in one.views
+        ]
+        for one in sets
+    }
+
+
+def _descriptors(get: "Get", model: str) -> Any:
+    """Return the digest of every descriptor, and the keyframes that it was made of."""
+    reply = get(FEATURE_SNAPSHOT, {}, model=model)
+    every = from_bytes(FEATURE_SNAPSHOT, reply.payload).descriptors if reply else ()
+    return {
+        str(one.instance_id): {
+            "seq": one.view_seq.tolist(),
+            "digest": sha256(one.descriptor.tobytes() + one.feature.tobytes()).hexdigest(),
+        }
+        for one in every
+    }
+
+
+def _lasting(answer: dict[str, Any]) -> dict[str, Any]:
+    """Return an answer without what varies from run to run."""
+    cost = {name: value for name, value in answer["cost"].items() if name != "ms"}
+    kept = {name: value for name, value in answer.items() if name not in VARYING}
+    return {**kept, "cost": cost}
+
+
 def _first_difference(one: Any, other: Any) -> str:
     if type(one) is type(other) and isinstance(one, dict) and one.keys() == other.keys():
         pairs = [(f".{key}", one[key], other[key]) for key in one]
@@ -142,7 +191,3 @@ def _first_difference(one: Any, other: Any) -> str:
         return "" if one == other else f": {one!r:.60} is not {other!r:.60}"
     found = ((where, _first_difference(a, b)) for where, a, b in pairs)
     return next((where + inner for where, inner in found if inner), "")
-
-
-def _parts(whole: Known) -> dict[str, str]:
-    return {"digest": whole.digest, "instances": whole.instances, "answers": whole.answers}

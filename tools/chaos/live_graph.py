@@ -1,5 +1,7 @@
 """`sceneq up` on a recording as a process, on a port of its own, and a client beside it."""
 
+import contextlib
+import itertools
 import json
 import os
 import re
@@ -18,9 +20,14 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 PATIENCE_S = 120.0
-STOP_S = 15.0
+STOP_S = 60.0
 POLL_S = 0.1
 CONNECT_S = 10.0
+FIRST_PORT, PORTS = 20_000, 12_000
+"""Below those that the system gives away by itself."""
+TOLD = {"map": "mapping", "views": "views", "features": "encoding"}
+"""What is told from node to node as changes, and by whom: each reports how far it is."""
+LISTENERS = {"encoding": ("views",), "routing": ("map", "views", "features")}
 GRAPH = """\
 nodes:
   - id: ingest
@@ -134,6 +141,11 @@ class LiveGraph:
         said = self.heard().get(node)
         return said.values.get(name) if said and said.pid == self.pids().get(node) else None
 
+    def is_up(self, node: str) -> bool:
+        """Whether the present process of a node has said that it is ready."""
+        said = self.heard().get(node)
+        return bool(said and said.state == "ready" and said.pid == self.pids().get(node))
+
     def pids(self) -> dict[str, int]:
         """Return the newest process of every node, read from what `up` printed."""
         found = re.findall(r"(\w+) +\w+ \(pid (\d+)\)", self.log.read_text())
@@ -160,13 +172,30 @@ class LiveGraph:
         return f"the graph printed:\n{self.log.read_text()}\n{self.sceneq('status').stdout}"
 
     def wait_until_settled(self) -> None:
-        """Wait until the recording is over and everything seen is described."""
+        """Wait until the recording is over, everything seen is described, and every node knows."""
+        self.wait(lambda: self.value("ingest", "state") == "finished")
+        said = self._ages()
+        self.wait(lambda: self._is_settled(said))
 
-        def settled() -> bool:
-            played = bool(self.value("ingest", "state") == "finished")
-            return played and bool(self.value("encoding", "pending") == 0)
+    def _ages(self) -> dict[str, float | None]:
+        """When those that tell and listen have said what they said last."""
+        who = {*TOLD.values(), *LISTENERS}
+        return {name: one.uptime_s for name, one in self.heard().items() if name in who}
 
-        self.wait(settled)
+    def _is_settled(self, before: Mapping[str, float | None]) -> bool:
+        """Whether nothing is on its way, as all say who have spoken since ``before``."""
+        now = self._ages()
+        if any(now[name] == said for name, said in before.items()):
+            return False
+        written = {what: self.value(who, what) for what, who in TOLD.items()}
+        waited_for = (
+            self.value(listener, what) == written[what]
+            for listener, told in LISTENERS.items()
+            for what in told
+            if written[what] is not None and listener in self.pids()
+        )
+        described = self.value("encoding", "pending") == 0
+        return described and self.value("ingest", "state") == "finished" and all(waited_for)
 
     def close(self) -> int:
         """Stop like Ctrl-C does; return the exit code."""
@@ -188,10 +217,19 @@ def run(*command: str) -> "subprocess.CompletedProcess[str]":
 
 
 def free_port() -> int:
-    """Return a TCP port that nobody has."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    """Return a TCP port that nobody has, and that this process has not been given before.
+
+    Not one of those that the system chooses: whoever connects might get it meanwhile.
+    """
+    while True:
+        port = FIRST_PORT + next(_PORTS) % PORTS
+        with socket.socket() as probe, contextlib.suppress(OSError):
+            probe.bind(("127.0.0.1", port))
+            return port
+
+
+_PORTS = itertools.count(64 * os.getpid())
+"""Processes that run side by side begin apart."""
 
 
 def _connected(client: "type[Client]", endpoint: str) -> "Client | None":

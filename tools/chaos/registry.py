@@ -7,6 +7,7 @@ from sceneq_tools.chaos.scenario import Scenario
 
 SCENARIOS: Mapping[str, str] = {
     "kill": "sceneq_tools.chaos.kills:kill",
+    "blackout": "sceneq_tools.chaos.blackouts:blackout",
     "pause": "sceneq_tools.chaos.kills:pause",
     "hang": "sceneq_tools.chaos.kills:hang",
     "torn-writes": "sceneq_tools.chaos.stores:torn_writes",
@@ -24,7 +25,7 @@ SCENARIOS: Mapping[str, str] = {
     "fuzz": "sceneq_tools.chaos.fuzz:run",
 }
 
-SHORT = ("kill", "clients", "malformed", "bombs", "fuzz")
+SHORT = ("kill", "blackout", "clients", "malformed", "bombs", "fuzz")
 """What `--short` runs unless others are named."""
 
 

@@ -1,6 +1,5 @@
 """Durable files that are torn, changed, of a later version, or on a disk that takes nothing."""
 
-import contextlib
 import os
 import random
 import shutil
@@ -13,8 +12,8 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from sceneq_tools.chaos.known import SCENE, VIEWS_ANEW, Known, files_of, live, settled, undisturbed
-from sceneq_tools.chaos.live_graph import LiveGraph, write_graph
+from sceneq_tools.chaos.known import SCENE, VIEWS_ANEW, Known, live, settled, undisturbed
+from sceneq_tools.chaos.live_graph import LiveGraph
 from sceneq_tools.chaos.scenario import NOTHING, Outcome, Plan, skipped
 
 NEWER = 99
@@ -22,6 +21,7 @@ WRITING_S = 4.0
 BALLAST_MB, ROOM_MB = 60, 2
 JOURNAL, VIEWS, FEATURES = "map/journal.sqlite", "views.sqlite", "features-*.sqlite"
 NAMES, CHECKPOINTS = "names.jsonl", "map/checkpoint-*.sceneq"
+TOLD = "map/told.sqlite"
 Damage = Callable[[Path, random.Random], None]
 
 
@@ -49,7 +49,7 @@ def newer(plan: Plan) -> Iterator[Outcome]:
     """A store of a later version: told, the graph runs in memory, not a byte is changed."""
     copy = plan.work / "newer"
     shutil.copytree(kept_store(plan), copy)
-    for pattern in (JOURNAL, VIEWS, FEATURES):
+    for pattern in (JOURNAL, TOLD, VIEWS, FEATURES):
         for path in (copy / SCENE).glob(pattern):
             with sqlite3.connect(path) as database:
                 database.execute(f"PRAGMA user_version = {NEWER}")
@@ -92,7 +92,7 @@ def full(plan: Plan) -> Iterator[Outcome]:
 
 
 def torn_writes(plan: Plan) -> Iterator[Outcome]:
-    """Kill -9 of mapping while it writes a checkpoint, and of everything at once."""
+    """Kill -9 of mapping while it writes a checkpoint."""
     whole, caught = undisturbed(plan), 0
     losses: set[str] = set()
     for number in range(plan.pick(3, 1)):
@@ -100,19 +100,9 @@ def torn_writes(plan: Plan) -> Iterator[Outcome]:
         with live(plan, "--store", str(store)) as graph:
             graph.wait(lambda graph=graph: graph.value("ingest", "state") == "playing")  # type: ignore[misc]
             caught += _kill_while_writing(graph, store)
-            losses.add(_lost(settled(graph), whole, views_anew=True))
+            losses.add(settled(graph).lost(whole))
     lost = "; ".join(sorted(losses - {NOTHING})) or NOTHING
-    fine = losses <= {NOTHING, VIEWS_ANEW}
-    yield Outcome("kill -9 while a checkpoint is written", caught, lost, fine)
-    store, usual = plan.work / "power", write_graph(plan.work, files_of(plan)[0])
-    with live(plan, "--store", str(store), graph=usual) as graph:
-        graph.wait(lambda: graph.value("mapping", "frame_seq") not in (None, -1))
-        _end_all(graph)
-        shutil.copytree(store, plan.work / "after")
-    with live(plan, "--store", str(plan.work / "after"), graph=usual) as graph:
-        lost = _lost(settled(graph), whole, views_anew=True)
-    fine = lost in (NOTHING, VIEWS_ANEW)
-    yield Outcome("kill -9 of all processes at once, new start", 1, lost, fine)
+    yield Outcome("kill -9 while a checkpoint is written", caught, lost, lost == NOTHING)
 
 
 def kept_store(plan: Plan) -> Path:
@@ -188,20 +178,6 @@ def _kill_while_writing(graph: LiveGraph, store: Path) -> int:
     return 0
 
 
-def _end_all(graph: LiveGraph) -> None:
-    """Kill what would start them again, then all of them, as a power cut does."""
-    pids = graph.pids()
-    graph.process.kill()
-    graph.process.wait()
-    for pid in (_parent(pids["mapping"]), *pids.values()):
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(pid, signal.SIGKILL)
-
-
-def _parent(pid: int) -> int:
-    return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
-
-
 def _torn(path: Path, chance: random.Random) -> None:
     os.truncate(path, chance.randrange(1, path.stat().st_size))
 
@@ -225,8 +201,9 @@ def _halved(path: Path, chance: random.Random) -> None:
 
 _DAMAGES: Mapping[str, Mapping[str, Damage]] = {
     "newest checkpoint torn, a byte of the views changed": {CHECKPOINTS: _torn, VIEWS: _changed},
-    "newest checkpoint changed, descriptors torn, names torn": {
+    "newest checkpoint changed, descriptors torn, names torn, what was told torn": {
         CHECKPOINTS: _changed,
+        TOLD: _torn,
         FEATURES: _torn,
         NAMES: _halved,
     },
@@ -234,6 +211,7 @@ _DAMAGES: Mapping[str, Mapping[str, Damage]] = {
     "journal changed, views torn": {JOURNAL: _changed, VIEWS: _torn},
     "all of them overwritten with zeros": {
         JOURNAL: _emptied,
+        TOLD: _emptied,
         VIEWS: _emptied,
         FEATURES: _emptied,
         CHECKPOINTS: _emptied,

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, TypeVar
 
 from sceneq_client.answer import Answer, Instance, Naming, View
-from sceneq_client.asking import json_object, put
+from sceneq_client.asking import ABSENT_S, json_object, put
 from sceneq_client.changes import Change, MapEvents
 from sceneq_client.errors import DisconnectedError, NoAnswerError, SceneError
 from sceneq_client.standing import Sighting, StandingQuestion
@@ -168,7 +168,9 @@ class SceneQ:
     def _put(
         self, topic: Topic, request: dict[str, Any], timeout_s: float | None
     ) -> dict[str, Any]:
-        return put(self._client, topic, self.scene, request, timeout_s or self._timeout_s)
+        most_s = timeout_s or self._timeout_s
+        # Whoever names a time means all of it, also while nobody is there to answer.
+        return put(self._client, topic, self.scene, request, most_s, timeout_s or ABSENT_S)
 
     def _only_scene(self) -> str:
         replies, _ = self._client.get(QUERY_STATUS.selector(), timeout_s=self._timeout_s)

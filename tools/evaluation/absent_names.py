@@ -1,6 +1,6 @@
-"""Questions for what is not there: the labels that name nothing in a room.
+"""Questions for what is not there: labels that name nothing in a room, purposes nothing serves.
 
-A recording asks for a few absent things only; a label set has many more names to ask for.
+A recording asks for a few absent things only, and never for a purpose in vain.
 """
 
 from collections.abc import Sequence
@@ -11,6 +11,7 @@ from sceneq_core.mapping.delta import OBJECT
 from sceneq_core.routing.router import Router
 from sceneq_tools.evaluation.retrieval_queries import ABSENT, Query
 from sceneq_tools.evaluation.true_things import TrueThing
+from sceneq_tools.room.truth.phrases import PURPOSES
 
 MANY = 60
 """So many questions a room, evenly spread over the label set, say as much as all of them."""
@@ -38,6 +39,13 @@ def absent_names(
     ]
     spread = np.unique(np.linspace(0, len(absent) - 1, min(many, len(absent))).astype(np.int64))
     return tuple(Query(absent[place], ABSENT, frozenset()) for place in spread.tolist())
+
+
+def absent_purposes(things: Sequence[TrueThing]) -> tuple[Query, ...]:
+    """Return questions for what none of ``things`` is good for; none where nobody says what is."""
+    served = {purpose for thing in things for purpose in thing.affordances}
+    vain = [text for text, purposes in PURPOSES if purposes.isdisjoint(served)] if served else []
+    return tuple(Query(text, ABSENT, frozenset()) for text in vain)
 
 
 def _is_object(router: Router, label: str) -> bool:

@@ -3,20 +3,19 @@
 Fitted on recordings that nothing else is told of.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from sceneq_core.arrays import Bool
 from sceneq_core.evaluation.gate_tuning import tune_gate
 from sceneq_core.evaluation.null_fit import fit_null
 from sceneq_core.evaluation.proper_scores import log_loss
 from sceneq_core.evaluation.temperature import fit_temperature
 from sceneq_core.routing.null import Evidence, NullParams
 from sceneq_nodes._calibration import Calibration
-from sceneq_tools.evaluation.absent_names import absent_names
+from sceneq_tools.evaluation.absent_names import absent_names, absent_purposes
 from sceneq_tools.evaluation.calibration import (
     CalibrationReport,
     Scene,
@@ -24,13 +23,25 @@ from sceneq_tools.evaluation.calibration import (
     labels_of,
     questions_of,
 )
-from sceneq_tools.evaluation.calibration_guesses import decisions
-from sceneq_tools.evaluation.retrieval_queries import Questioned
+from sceneq_tools.evaluation.calibration_guesses import decisions, question_guesses
+from sceneq_tools.evaluation.retrieval_candidates import Candidates
+from sceneq_tools.evaluation.retrieval_queries import Query
 from sceneq_tools.evaluation.retrieval_setup import Setup
 
 QUESTIONS, LABELS, BOTH = "questions", "labels", "both"
 TASKS = (QUESTIONS, LABELS, BOTH)
 DIGITS = 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Counted:
+    """A question about a scene, whether anything is ``present``, how much it counts."""
+
+    candidates: Candidates
+    query: Query
+    present: bool
+    described: bool
+    count: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,7 +83,8 @@ def fit(scenes: Sequence[Scene], setup: Setup, task: str, maps: Sequence[Scene] 
         label_set=plain.router.labeller.label_set.name,
         sha256=tuple(scene.questioned.sha256 for scene in scenes),
     )
-    known = replace(warm, null=_null(everything, plain, warm))
+    null, null_described = _nulls(everything, plain, warm)
+    known = replace(warm, null=null, null_described=null_described)
     asked = questions_of(everything, plain.with_calibration(known).router)
     tuned = tune_gate(decisions(asked), known.gate, setup.params.judge.min_claim)
     calibration = replace(known, gate=tuned)
@@ -103,39 +115,66 @@ def _untuned(setup: Setup, temperature: float) -> Calibration:
     return Calibration(setup.encoder.model_id, temperature, setup.params.judge.gate)
 
 
-def _null(scenes: Sequence[Scene], setup: Setup, warm: Calibration) -> NullParams | None:
-    """Return how probable "none of them" is; ``None`` without questions that tell.
+def _nulls(
+    scenes: Sequence[Scene], setup: Setup, warm: Calibration
+) -> tuple[NullParams | None, NullParams | None]:
+    """Return how probable "none of them" is for words that name, and for words that describe.
 
-    Half of what the absent things in the recordings count goes to labels that name nothing there:
-    a few questions are soon learned by heart.
+    ``None`` for all without questions that tell; for words that describe, then they are as names.
     """
-    present = _present(scenes, setup)
-    if present.all() or not present.any():
-        return None
-    more = [replace(one, questioned=_strange(one.questioned, setup)) for one in scenes]
-    strange = _present(more, setup)
-    absent, others = (~present).sum(), len(strange)
-    counts = np.where(present, 1.0, 0.5 if others else 1.0)
-    counts = np.append(counts, np.full(others, 0.5 * absent / max(others, 1)))
+    counted = _counted(scenes, setup)
+    present, absent = ([one for one in counted if one.present is is_so] for is_so in (True, False))
+    if not present or not absent:
+        return None, None
+    described = [one for one in counted if one.described]
+    if len({one.present for one in described}) < 2:
+        return _null(counted, setup, warm), None
+    named = [one for one in counted if not one.described]
+    if len({one.present for one in named}) < 2:
+        return _null(counted, setup, warm), None
+    return _null(named, setup, warm), _null(described, setup, warm)
+
+
+def _counted(scenes: Sequence[Scene], setup: Setup) -> list[Counted]:
+    """Return all questions of the scenes and how much each counts.
+
+    Half of what the absent things in the recordings count goes to other questions that are asked
+    in vain, all alike: a few questions are soon learned by heart.
+    """
+    asked = [one for scene in scenes for one in _asked(scene, scene.questioned.queries, setup)]
+    vain = [one for scene in scenes for one in _asked(scene, _in_vain(scene, setup), setup)]
+    absent = sum(not one.present for one in asked)
+    half = 0.5 if vain else 1.0
+    told = [one if one.present else replace(one, count=half) for one in asked]
+    return told + [replace(one, count=0.5 * absent / len(vain)) for one in vain]
+
+
+def _asked(scene: Scene, queries: Sequence[Query], setup: Setup) -> Iterator[Counted]:
+    for query in queries:
+        for one in question_guesses(setup.router, scene.candidates, [query]):
+            yield Counted(scene.candidates, query, one.has_answer, one.described)
+
+
+def _in_vain(scene: Scene, setup: Setup) -> tuple[Query, ...]:
+    """Return questions for everything that is not there, and that nothing there is good for."""
+    things = scene.questioned.things
+    return (*absent_names(setup.router, things), *absent_purposes(things))
+
+
+def _null(counted: Sequence[Counted], setup: Setup, warm: Calibration) -> NullParams:
+    """Return how probable "none of them" is, fitted on these questions."""
 
     def evidence_at(temperature: float) -> list[Evidence]:
         tried = replace(warm, null=NullParams(temperature, 1.0, 1.0, 1.0, 0.0))
         router = setup.with_calibration(tried).router
-        asked = questions_of((*scenes, *more), router, setup.router)
-        return [one.evidence for one in asked]
+        guesses = (
+            question_guesses(router, one.candidates, [one.query], setup.router) for one in counted
+        )
+        return [one.evidence for asked in guesses for one in asked]
 
-    fitted = fit_null(evidence_at, np.append(present, strange), counts)
+    present = np.array([one.present for one in counted], np.bool_)
+    fitted = fit_null(evidence_at, present, np.array([one.count for one in counted]))
     return NullParams(*(round(value, DIGITS) for value in astuple(fitted)))
-
-
-def _present(scenes: Sequence[Scene], setup: Setup) -> Bool:
-    """Return for every question whether there is a right one."""
-    return np.array([one.has_answer for one in questions_of(scenes, setup.router)], np.bool_)
-
-
-def _strange(questioned: Questioned, setup: Setup) -> Questioned:
-    """Return the same room with questions for everything that is not there."""
-    return replace(questioned, queries=absent_names(setup.router, questioned.things))
 
 
 def _loss(

@@ -23,6 +23,7 @@ class Guess:
 
     ``p_null`` is what is left to "none of them", which is right when no choice is; ``absence`` is
     the same without a calibration, only good to compare. ``evidence`` is what it is judged by.
+    ``described``: the words describe a thing and do not name it.
     """
 
     what: str
@@ -31,6 +32,7 @@ class Guess:
     p_null: float = 0.0
     absence: float = 0.0
     evidence: Evidence = NO_EVIDENCE
+    described: bool = False
 
     @property
     def has_answer(self) -> bool:
@@ -54,6 +56,7 @@ class Guess:
             what=self.what,
             p=np.append(self.p, self.p_null),
             is_right=np.append(self.is_right, not self.has_answer),
+            described=self.described,
         )
 
 
@@ -75,10 +78,17 @@ def question_guesses(
         if question.phrase.constraints or not ids:
             continue
         fit = router.fits(candidates.snapshot, question)[question.phrase.target]
-        is_right = np.isin(ids, right_candidates(candidates, query))
-        p = (1.0 - fit.p_null) * fit.p
-        absence = 1.0 - fit.presence
-        guesses.append(Guess(query.text, p, is_right, fit.p_null, absence, fit.evidence))
+        guesses.append(
+            Guess(
+                what=query.text,
+                p=(1.0 - fit.p_null) * fit.p,
+                is_right=np.isin(ids, right_candidates(candidates, query)),
+                p_null=fit.p_null,
+                absence=1.0 - fit.presence,
+                evidence=fit.evidence,
+                described=question.wanted[question.phrase.target].described,
+            )
+        )
     return guesses
 
 

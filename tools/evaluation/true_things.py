@@ -23,6 +23,7 @@ class TrueThing:
         is_stuff: wall or floor: no object.
         since_frame: the frame from which on it stands where it stands then; ``None`` = it is not
             there.
+        affordances: what it is good for, as far as the recording says.
     """
 
     id: int
@@ -30,6 +31,7 @@ class TrueThing:
     names: Names
     is_stuff: bool
     since_frame: int | None
+    affordances: tuple[str, ...] = ()
 
 
 def read_things(path: Path, before_frame: int | None = None) -> tuple[TrueThing, ...]:
@@ -59,6 +61,7 @@ def _thing(
             names=(str(record["label"]), *map(str, record.get("synonyms", ()))),
             is_stuff=bool(record["stuff"]),
             since_frame=None if last["box"] is None else int(last["from_frame"]),
+            affordances=tuple(map(str, record.get("affordances", ()))),
         )
     except KeyError as error:
         raise UserError(f"{path}: instances[{place}]: no field {error.args[0]!r}", 2) from error

@@ -1,9 +1,9 @@
 """Access rules of a router: who shows which certificate may do what its role grants."""
 
-from collections.abc import Iterable
 from typing import Any
 
 from sceneq_tools.security.roles import OF_ONE_SCENE, ROLES, grants
+from sceneq_tools.security.site import Site
 
 
 def subject(role: str, scene: str | None = None) -> str:
@@ -11,10 +11,15 @@ def subject(role: str, scene: str | None = None) -> str:
     return role if scene is None else f"{role}.{scene}"
 
 
-def access_rules(scenes: Iterable[str] = ()) -> dict[str, Any]:
-    """Return zenoh's ``access_control``: default deny, one subject per role and scene."""
-    subjects: list[tuple[str, str | None]] = [(role, None) for role in ROLES]
-    subjects += [(role, scene) for scene in sorted(set(scenes)) for role in OF_ONE_SCENE]
+def access_rules(site: Site) -> dict[str, Any]:
+    """Return zenoh's ``access_control``: default deny, one subject per role and scene.
+
+    A role without a grant, as that of ROS without topics, is no subject: it is denied as strangers
+    are.
+    """
+    possible: list[tuple[str, str | None]] = [(role, None) for role in ROLES]
+    possible += [(role, scene) for scene in sorted(set(site.scenes)) for role in OF_ONE_SCENE]
+    subjects = [one for one in possible if grants(*one, site.ros)]
     rules, policies = [], []
     for role, scene in subjects:
         name = subject(role, scene)
@@ -26,7 +31,7 @@ def access_rules(scenes: Iterable[str] = ()) -> dict[str, Any]:
                 "messages": list(grant.messages),
                 "key_exprs": list(grant.keys),
             }
-            for number, grant in enumerate(grants(role, scene))
+            for number, grant in enumerate(grants(role, scene, site.ros))
         ]
         rules += granted
         policies.append({"rules": [rule["id"] for rule in granted], "subjects": [name]})

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from sceneq_nodes.ros.passage import RosKeys
 from sceneq_schemas.topics import (
     CONTROL,
     LIVE,
@@ -13,8 +14,8 @@ from sceneq_schemas.topics import (
     Topic,
 )
 
-ROUTER, ROBOT, SERVER, VIEWER, CLIENT, OPERATOR = (
-    *("router", "robot", "server", "viewer", "client", "operator"),
+ROUTER, ROBOT, SERVER, VIEWER, CLIENT, OPERATOR, ROS = (
+    *("router", "robot", "server", "viewer", "client", "operator", "ros"),
 )
 ROLES = {
     ROUTER: "a machine's router: passes on what the others may do",
@@ -23,15 +24,20 @@ ROLES = {
     OPERATOR: "a person in charge: sees, asks, names things and commands nodes",
     VIEWER: "sees the map, its pictures and the health of the nodes, and asks",
     CLIENT: "asks, and nothing else",
+    ROS: "a robot's ROS 2: publishes the topics that graph.yaml reads, and hears the results",
 }
 OF_ONE_SCENE = (VIEWER, CLIENT)
 """Roles that may be given for one scene only."""
+NO_ROS = RosKeys()
 TEACHING = (TEACH_SET, TEACH_FORGET)
 QUESTIONS = "sceneq/query/{scene}/**"
 ANY_SCENE = "sceneq/query/**"
 
 PUT = ("put", "delete")
-LIVELINESS = ("liveliness_token", "liveliness_query", "declare_liveliness_subscriber")
+LIVELINESS_WANTED = ("liveliness_query", "declare_liveliness_subscriber")
+LIVELINESS = ("liveliness_token", *LIVELINESS_WANTED)
+CACHE_SERVED = ("declare_queryable", "reply", "liveliness_token")
+CACHE_WANTED = ("query", *LIVELINESS_WANTED)
 EVERYTHING = (
     *(*PUT, "declare_subscriber", "query", "declare_queryable", "reply"),
     *LIVELINESS,
@@ -47,8 +53,8 @@ class Grant:
     keys: tuple[str, ...]
 
 
-def grants(role: str, scene: str | None = None) -> tuple[Grant, ...]:
-    """Return what ``role`` may do, in one ``scene`` or in all.
+def grants(role: str, scene: str | None = None, ros: RosKeys = NO_ROS) -> tuple[Grant, ...]:
+    """Return what ``role`` may do, in one ``scene`` or in all; ``ros``: the ROS 2 keys let through.
 
     Raises:
         ValueError: no such role, or one that is not given for a single scene.
@@ -59,10 +65,13 @@ def grants(role: str, scene: str | None = None) -> tuple[Grant, ...]:
         raise ValueError(
             f"role {role!r} is not given for one scene ({', '.join(OF_ONE_SCENE)} are)"
         )
+    if role == ROS:
+        return _ros_side(ros)
     if role == ROUTER:
-        return (_all_of(TOPICS),)
+        return (_all_of(TOPICS), *_passes(ros))
     if role in (ROBOT, SERVER):
-        return (_all_of(topic for topic in TOPICS if topic is not CONTROL), *_serves(CONTROL))
+        ours = _all_of(topic for topic in TOPICS if topic is not CONTROL)
+        return (ours, *_serves(CONTROL), *_our_side(ros))
     asking = _asks((QUESTIONS.format(scene=scene) if scene else ANY_SCENE,))
     if role == CLIENT:
         return asking
@@ -75,6 +84,60 @@ def grants(role: str, scene: str | None = None) -> tuple[Grant, ...]:
 def _all_of(topics: Iterable[Topic]) -> Grant:
     keys = (*(topic.selector() for topic in topics), ANY_SCENE)
     return Grant(EVERYTHING, ("ingress", "egress"), keys)
+
+
+def _ros_side(ros: RosKeys) -> tuple[Grant, ...]:
+    """Say what is read of it, and keep what is latched; hear the results."""
+    return (*_says(ros.read), *_keeps(ros.latched), *_hears(ros.written), *_finds(ros.tokens))
+
+
+def _our_side(ros: RosKeys) -> tuple[Grant, ...]:
+    """Hear what is read, with what was said before; say the results."""
+    return (*_hears(ros.read), *_fetches(ros.latched), *_says(ros.written), *_tells(ros.tokens))
+
+
+def _passes(ros: RosKeys) -> tuple[Grant, ...]:
+    keys = (*ros.read, *_caches(ros.latched), *ros.written, *ros.tokens)
+    return (Grant(EVERYTHING, ("ingress", "egress"), keys),) if keys else ()
+
+
+def _says(keys: tuple[str, ...]) -> tuple[Grant, ...]:
+    return _both_ways(PUT, ("declare_subscriber",), keys)
+
+
+def _hears(keys: tuple[str, ...]) -> tuple[Grant, ...]:
+    return _both_ways(("declare_subscriber",), PUT, keys)
+
+
+def _keeps(keys: tuple[str, ...]) -> tuple[Grant, ...]:
+    """Answer for what was said before, and tell that one does by a token."""
+    served = _both_ways(CACHE_SERVED, CACHE_WANTED, _caches(keys))
+    return (*served, Grant(("reply",), ("ingress",), keys)) if keys else ()
+
+
+def _fetches(keys: tuple[str, ...]) -> tuple[Grant, ...]:
+    asked = _both_ways(CACHE_WANTED, CACHE_SERVED, _caches(keys))
+    return (*asked, Grant(("reply",), ("egress",), keys)) if keys else ()
+
+
+def _caches(keys: tuple[str, ...]) -> tuple[str, ...]:
+    """Return where zenoh's advanced publishers are asked for data; replies have the data's key."""
+    return tuple(f"{key}/@adv/**" for key in keys)
+
+
+def _tells(keys: tuple[str, ...]) -> tuple[Grant, ...]:
+    return _both_ways(("liveliness_token",), LIVELINESS_WANTED, keys)
+
+
+def _finds(keys: tuple[str, ...]) -> tuple[Grant, ...]:
+    return _both_ways(LIVELINESS_WANTED, ("liveliness_token",), keys)
+
+
+def _both_ways(
+    into: tuple[str, ...], out: tuple[str, ...], keys: tuple[str, ...]
+) -> tuple[Grant, ...]:
+    """Return what may come into the router and what may go out; nothing where there are no keys."""
+    return (Grant(into, ("ingress",), keys), Grant(out, ("egress",), keys)) if keys else ()
 
 
 def _serves(topic: Topic) -> tuple[Grant, ...]:

@@ -9,6 +9,13 @@ const STATUS = {
 const SHOWN = 3;
 const LIKELY = 0.2; // of the best one's probability: what is less waits behind "not this one"
 
+export const percent = (p) => (p > 0 && p < 0.01 ? "<1 %" : `${Math.round(100 * p)} %`);
+
+export function ago(seconds) {
+  if (seconds < 100) return `${seconds.toFixed(0)} s`;
+  return seconds < 6000 ? `${(seconds / 60).toFixed(0)} min` : `${(seconds / 3600).toFixed(0)} h`;
+}
+
 export function newCard(question) {
   const card = document.querySelector("#card").content.cloneNode(true).firstElementChild;
   card.querySelector("h2").textContent = question;
@@ -40,7 +47,7 @@ export function fill(card, answer, hooks) {
   next();
   const { took_ms: ms, route, reason, cost, map } = answer;
   const calls = cost?.vlm_calls ? `, ${cost.vlm_calls} model calls` : "";
-  const age = map?.age_s === undefined ? "" : `, map ${map.age_s.toFixed(1)} s old`;
+  const age = map?.age_s === undefined ? "" : `, map ${ago(map.age_s)} old`;
   if (route) card.querySelector(".why").textContent = `${route}: ${reason} (${ms.toFixed(0)} ms${calls}${age})`;
 }
 
@@ -50,8 +57,8 @@ export function thing(record, hooks, gone) {
   part.dataset.id = record.id;
   find("h3").textContent = `${record.label} (${record.id})`;
   const p = record.p ?? record.label_p ?? 0;
-  Object.assign(find("meter"), { value: p, ariaLabel: `probability ${p.toFixed(2)}` });
-  find("output").textContent = `p ${p.toFixed(2)}`;
+  Object.assign(find("meter"), { value: p, ariaLabel: `probability ${percent(p)}` });
+  Object.assign(find("output"), { textContent: percent(p), title: "how probable it is that this is meant" });
   const [x, y, z] = record.centre.map((metres) => metres.toFixed(2));
   find(".place").textContent = `at ${x}, ${y}, ${z} m${record.state === "stale" ? ", not seen there lately" : ""}`;
   find(".show").onclick = () => hooks.show(record);
@@ -80,10 +87,12 @@ async function evidence(figure, record) {
   const image = figure.querySelector("img");
   try {
     image.src = await picture(view.seq);
+    await image.decode();
   } catch {
     return; // the keyframe is gone; the card says the rest
+  } finally {
+    URL.revokeObjectURL(image.src);
   }
-  await image.decode();
   const [left, top, right, bottom] = view.box_xyxy;
   const share = (value, of) => `${(100 * value) / of}%`;
   const { naturalWidth: width, naturalHeight: height } = image;

@@ -1,14 +1,14 @@
 // The page: asks, shows what comes back, and how the graph is.
 
-import { fail, fill, newCard, thing } from "./cards.js";
+import { ago, fail, fill, newCard, percent, thing } from "./cards.js";
+import { draw, heard } from "./strip.js";
 import { get, listen, onTokenNeeded, points, send } from "./wire.js";
 
 const $ = (id) => document.getElementById(id);
 const HISTORY = "sceneq.history";
-const SILENT_MS = 2500;
 const CLOUD_MS = 2000;
+const MAX_CARDS = 30;
 
-const seen = new Map(); // node -> {at, health}
 let map3d = null;
 let cloudTag = "";
 let cloudDue = true;
@@ -20,17 +20,22 @@ onTokenNeeded(() => new Promise((resolve) => {
 }));
 
 const hooks = {
-  show: (record) => { map3d?.choose(record); $("hint").hidden = true; },
+  show: (record) => {
+    map3d?.choose(record);
+    $("hint").hidden = true;
+    $("whole").hidden = !map3d;
+  },
   named: () => { loadThings(); },
 };
+
+$("whole").onclick = () => map3d.whole();
 
 $("ask").onsubmit = async (event) => {
   event.preventDefault();
   const question = $("question").value.trim();
   if (!question) return;
   remember(question);
-  const card = newCard(question);
-  $("answers").prepend(card);
+  const card = put(newCard(question));
   try {
     const body = { question, k: 5, ...($("think").checked && { mode: "reason" }) };
     const answer = await send("POST", "/ask", body);
@@ -52,12 +57,18 @@ $("question").onkeydown = (event) => {
 };
 $("question").oninput = () => { earlier = -1; };
 
-async function pick(id) {
-  const card = newCard(`Thing ${id}`);
+function put(card) {
+  $("try").hidden = true;
   $("answers").prepend(card);
+  [...$("answers").children].slice(MAX_CARDS).forEach((old) => old.remove());
+  return card;
+}
+
+async function pick(id) {
+  const card = put(newCard(`Thing ${id}`));
   try {
     const told = await get(`/instances/${id}/label?k=3`);
-    const names = told.labels.map((one) => `${one.label} ${one.p.toFixed(2)}`).join(", ");
+    const names = told.labels.map((one) => `${one.label} ${percent(one.p)}`).join(", ");
     const record = { ...told.instance, p: told.labels[0]?.p ?? 0 };
     card.querySelector("h2").textContent = record.label;
     card.querySelector(".status").textContent = "";
@@ -70,27 +81,48 @@ async function pick(id) {
 }
 
 async function loadThings() {
-  const [labels, listed] = [await get("/labels"), await get("/instances?k=500")];
+  const [labels, listed] = await Promise.all([get("/labels"), get("/instances?k=500")]);
   const given = Object.keys(labels.given);
   $("known").replaceChildren(...given.map((label) => new Option(label)));
   const things = listed.instances.filter((one) => one.role === "object");
   $("list").replaceChildren(...things.map((one) => {
     const item = document.createElement("li");
-    const button = document.createElement("button");
-    button.textContent = `${one.label} (${one.id})`;
-    button.onclick = () => pick(one.id);
-    item.append(button);
+    item.append(button(`${one.label} (${one.id})`, () => pick(one.id)));
     return item;
   }));
+  propose(things);
+}
+
+// What somebody who has asked nothing yet could ask here.
+function propose(things) {
+  if ($("answers").children.length) return;
+  const sure = [...new Set(things.toSorted((a, b) => b.p - a.p).map((one) => one.label))];
+  const holds = (one) => things.filter((other) => other.supported_by === one.id).length;
+  const table = things.toSorted((a, b) => holds(b) - holds(a))[0];
+  const questions = [
+    ...sure.slice(0, 1).map((label) => `the ${label}`),
+    ...sure.slice(1, 2).map((label) => `what is near the ${label}?`),
+    ...(table && holds(table) ? [`what is on the ${table.label}?`] : []),
+  ];
+  const buttons = questions.map((question) => button(question, () => {
+    $("question").value = question;
+    $("ask").requestSubmit();
+  }));
+  $("try").replaceChildren($("try").firstElementChild, ...buttons);
+  $("try").hidden = !buttons.length;
+}
+
+function button(text, act) {
+  return Object.assign(document.createElement("button"), { type: "button", textContent: text, onclick: act });
 }
 
 async function loadCloud() {
   if (!cloudDue || document.hidden) return;
   cloudDue = false;
   try {
-    const fresh = await points(cloudTag);
+    const [fresh, drawing] = await Promise.all([points(cloudTag), import("./map3d.js")]);
     if (!fresh) return;
-    if (!map3d) map3d = new (await import("./map3d.js")).Map3D($("cloud"), pick);
+    map3d ??= new drawing.Map3D($("cloud"), pick);
     cloudTag = fresh.etag;
     map3d.load(fresh.data);
     await loadThings();
@@ -101,28 +133,16 @@ async function loadCloud() {
 }
 
 function hear(event) {
-  if (event.type === "health") seen.set(event.node, { at: Date.now(), health: event });
-  else if (event.type === "map") cloudDue = true;
-}
-
-function showNodes() {
-  const items = [...seen].sort().map(([name, { at, health }]) => {
-    const item = document.createElement("li");
-    const gone = Date.now() - at > SILENT_MS;
-    const dropped = Number(health.flows?.dropped ?? 0);
-    item.className = gone ? "gone" : "";
-    item.textContent = `${name}${gone ? " gone" : ""}${dropped ? `, ${dropped} dropped` : ""}`;
-    return item;
-  });
-  $("nodes").replaceChildren(...items);
+  if (event.type === "health") heard(event);
+  else if (event.type === "map" || event.type === "lost") cloudDue = true;
 }
 
 async function showScene() {
   try {
     const scene = await get("/scene");
     $("scene").textContent = scene.scene;
-    const { epoch, seq, age_s: age } = scene.map;
-    $("map").textContent = `${scene.instances} things, ${scene.answerable} answerable, map ${epoch % 100000}:${seq}, ${age.toFixed(0)} s old`;
+    const { seq, age_s: age } = scene.map;
+    $("map").textContent = `${scene.instances} things · revision ${seq} · ${ago(age)} old`;
   } catch (error) {
     $("map").textContent = error.message;
   }
@@ -138,13 +158,13 @@ function remember(question) {
   earlier = -1;
 }
 
-await showScene();
+showScene();
 listen(hear, (connected) => {
   $("trouble").hidden = connected;
   $("trouble").textContent = "The connection is lost; trying again.";
   if (connected) { cloudDue = true; showScene(); }
 });
 loadCloud();
-setInterval(showNodes, 500);
+setInterval(() => draw($("nodes")), 500);
 setInterval(loadCloud, CLOUD_MS);
 setInterval(showScene, 3000);

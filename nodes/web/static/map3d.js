@@ -8,6 +8,9 @@ import {
 
 const CHOSEN = new Color("#ff3b30");
 const POINT_M = 0.03;
+const NEAR_M = 2; // to a small thing; to a large one as many of its own sizes
+const NEAR_SIZES = 3;
+const MIDDLE_M = 0.5;
 
 export class Map3D {
   constructor(canvas, onPick) {
@@ -20,6 +23,9 @@ export class Map3D {
     this.cloud = null;
     this.box = null;
     this.chosen = 0;
+    this.far = Infinity;
+    this.middle = new Vector3();
+    this.aslant = null; // from where all of it is seen, once there is something to see
     new ResizeObserver(() => this.fit()).observe(canvas);
     let down = null;
     canvas.addEventListener("pointerdown", (event) => { down = [event.clientX, event.clientY]; });
@@ -43,13 +49,12 @@ export class Map3D {
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(positions, 3));
     geometry.setAttribute("color", new BufferAttribute(new Uint8Array(3 * count), 3, true));
-    const first = this.cloud === null;
     if (this.cloud) { this.scene.remove(this.cloud); this.cloud.geometry.dispose(); }
     const material = new PointsMaterial({ size: POINT_M, vertexColors: true });
     this.cloud = new Points(geometry, material);
     this.scene.add(this.cloud);
     this.paint();
-    if (first && count) this.look(new Vector3(...up));
+    if (count && !this.aslant) this.look(new Vector3(...up));
     this.draw();
   }
 
@@ -67,8 +72,7 @@ export class Map3D {
         a[0], a[1], a[2], box.centre[0], b[0], b[1], b[2], box.centre[1],
         c[0], c[1], c[2], box.centre[2], 0, 0, 0, 1));
       this.scene.add(this.box);
-      this.controls.target.set(...record.centre);
-      this.controls.update();
+      this.approach(new Vector3(...record.centre), Math.hypot(...box.size));
     }
     this.paint();
     this.draw();
@@ -89,14 +93,39 @@ export class Map3D {
   }
 
   look(up) {
-    this.cloud.geometry.computeBoundingSphere();
-    const { center, radius } = this.cloud.geometry.boundingSphere;
     if (up.lengthSq() === 0) up.set(0, 0, 1);
     this.camera.up.copy(up.normalize());
     const aside = Math.abs(up.x) < 0.9 ? new Vector3(1, 0, 0) : new Vector3(0, 1, 0);
-    const level = aside.cross(up).normalize();
-    this.camera.position.copy(center).addScaledVector(up, radius).addScaledVector(level, radius);
+    this.aslant = aside.cross(up).normalize().add(up).normalize();
+    this.whole();
+  }
+
+  // All of the map, aslant from above.
+  whole() {
+    if (!this.aslant) return;
+    this.cloud.geometry.computeBoundingSphere();
+    const { center, radius } = this.cloud.geometry.boundingSphere;
+    const half = Math.atan(Math.tan((Math.PI * this.camera.fov) / 360) * Math.min(1, this.camera.aspect));
+    this.far = (0.85 * radius) / Math.sin(half);
+    this.middle.copy(center);
+    this.camera.position.copy(center).addScaledVector(this.aslant, this.far);
     this.controls.target.copy(center);
+    this.controls.update();
+    this.draw();
+  }
+
+  // Turns to a thing, so far away that it is seen with what is around it, and from the middle of
+  // the map where it is not there itself: no wall is between.
+  approach(centre, size) {
+    const { up } = this.camera;
+    const inward = this.middle.clone().sub(centre);
+    inward.addScaledVector(up, -inward.dot(up));
+    const offset = inward.length() > MIDDLE_M
+      ? inward.normalize().add(up)
+      : this.camera.position.clone().sub(this.controls.target);
+    offset.setLength(Math.min(this.far, Math.max(NEAR_M, NEAR_SIZES * size)));
+    this.controls.target.copy(centre);
+    this.camera.position.copy(centre).add(offset);
     this.controls.update();
   }
 
@@ -113,6 +142,10 @@ export class Map3D {
   }
 
   key(event) {
+    if (event.key === "Home" && this.cloud) {
+      event.preventDefault();
+      this.whole();
+    }
     const turn = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
     const near = { "+": 0.9, "=": 0.9, "-": 1.1 }[event.key];
     if (!turn && !near) return;

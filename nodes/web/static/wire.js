@@ -2,6 +2,7 @@
 
 const TOKEN = "sceneq.token";
 let askForToken = async () => "";
+let asking = null; // several requests are refused at once; the visitor is asked once
 
 export function onTokenNeeded(ask) { askForToken = ask; }
 
@@ -32,7 +33,8 @@ async function call(path, options) {
   const response = await fetch(path, { ...options, headers, cache: "no-store" });
   if (response.ok || response.status === 304) return response;
   if (response.status === 401) {
-    sessionStorage.setItem(TOKEN, await askForToken());
+    asking ??= askForToken().finally(() => { asking = null; });
+    sessionStorage.setItem(TOKEN, await asking);
     return call(path, options);
   }
   const problem = await response.json().catch(() => ({}));

@@ -1,0 +1,35 @@
+// The strip of processes: who is alive, how much comes in each second, what was dropped.
+
+const SILENT_MS = 2500;
+const OWN = /^(health|metric)$|_(journal|snapshot)$/; // housekeeping: tells nothing of the work
+
+const seen = new Map(); // node -> {at, rate, dropped, told}
+
+export function heard(beat) {
+  const before = seen.get(beat.node);
+  const told = { at: beat.uptime_s, count: total(beat, ["in"]) || total(beat, ["out"]) };
+  const seconds = before && told.at - before.told.at;
+  const rate = seconds > 0 ? Math.max(0, told.count - before.told.count) / seconds : 0;
+  seen.set(beat.node, { at: Date.now(), rate, dropped: total(beat, ["dropped", "undecodable"]), told });
+}
+
+export function draw(list) {
+  [...seen].sort().forEach(([name, node], index) => {
+    const item = list.children[index] ?? list.appendChild(document.createElement("li"));
+    const silent = Date.now() - node.at > SILENT_MS;
+    const text = [silent ? `${name} silent` : name, ...(silent ? [] : facts(node))].join(", ");
+    if (item.textContent === text) return;
+    item.className = silent ? "gone" : "";
+    item.textContent = text;
+    item.title = `${text}: messages it reads each second, and those that came too fast for it`;
+  });
+}
+
+function facts({ rate, dropped }) {
+  return [...(rate >= 0.5 ? [`${rate.toFixed(0)}/s`] : []), ...(dropped ? [`${dropped} dropped`] : [])];
+}
+
+function total(beat, events) {
+  const topics = Object.entries(beat.topics ?? {}).filter(([name]) => !OWN.test(name));
+  return topics.reduce((sum, [, flow]) => sum + events.reduce((n, event) => n + (flow[event] ?? 0), 0), 0);
+}

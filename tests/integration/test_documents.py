@@ -1,0 +1,297 @@
+"""Every command of README.md and docs/ is typed as it stands (support/command_ways.py says how).
+
+One running graph answers all pages. It is itself made of documented commands: a recording is
+converted, a graph waits for frames, the recording is replayed into it.
+"""
+
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.request import urlopen
+
+import pytest
+
+import sceneq_tools.suite
+from sceneq_tools.synth import SynthParams
+
+from support.command_ways import Row, Way, row_of
+from support.documents import Block, Command, blocks, commands, pages
+from support.kept_scene import KeptScene
+from support.lidar_street import write_kitti
+from support.live_graph import free_port
+from support.reader import ONLY, Reader, Running, copy_examples
+from support.tiny_suite import write_room, write_suite
+
+pytestmark = pytest.mark.integration
+
+FRAMES = 10
+GRAPH = """\
+nodes:
+  - id: ingest
+    params:
+      source: {kind: folder, path: .}
+      rate_hz: 0
+      keyframes: {kind: every, every: 1}
+      wait_for: []
+  - id: segmentation
+    params: {segmenter: {kind: rgbd}}
+  - id: mapping
+  - id: views
+  - id: encoding
+    params: {encoder: {kind: hash}}
+  - id: routing
+    params: {encoder: {kind: hash}, labels: [ball, box, table, wall, floor]}
+  - id: reasoning
+"""
+RECORDINGS = ("SOURCE", "FOLDER", "RECORDING", "TRUTH", "house_rooms", "tools/sample")
+COMMANDS = [command for page in pages() for command in commands(page)]
+CAMERA = """\
+from support.fake_cameras import Wall, realsense
+globals().update(vars(realsense(Wall(100_000))))
+"""
+
+
+def of(way: Way, *not_on: str) -> list[Command]:
+    return [c for c in COMMANDS if row_of(c).way is way and c.page not in not_on]
+
+
+def the(story: str, pattern: str) -> Command:
+    """Return the command of a story that matches; it may stand on several pages."""
+    return of_story(story, pattern)[0]
+
+
+def of_story(story: str, pattern: str = "") -> list[Command]:
+    """Return the commands of a story that match."""
+    return [c for c in of(Way.STORY) if row_of(c).detail == story and re.match(pattern, c.text)]
+
+
+def where(command: Command) -> str:
+    return command.where
+
+
+def block_of(page: str, language: str) -> Block:
+    """Return the first block of code of a language."""
+    return next(block for block in blocks(page) if block.language == language)
+
+
+@pytest.fixture(scope="module")
+def reader(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Reader]:
+    """A person in a folder with everything that the documents name."""
+    folder = tmp_path_factory.mktemp("reader")
+    write_room(SynthParams(frames=FRAMES), folder / "kitchen")
+    (folder / "tools").mkdir()
+    for name in RECORDINGS:
+        (folder / name).symlink_to(folder / "kitchen")
+    (folder / "MAP").symlink_to(folder / "out")
+    (folder / "graph.yaml").write_text(GRAPH)
+    write_kitti(folder / "sequences" / "07", 3)
+    copy_examples(folder)
+    shutil.copy(folder / "kitchen" / "frame-000000.color.jpg", folder / "crop.png")
+    (folder / "fakes").mkdir()
+    (folder / "fakes" / "pyrealsense2.py").write_text(CAMERA)
+    with tempfile.TemporaryDirectory(prefix="sq") as runtime:
+        yield Reader(folder, Path(runtime))
+
+
+@pytest.fixture(scope="module")
+def graph(reader: Reader) -> Iterator[Running]:
+    """The running graph beside which the pages are tried; it has seen the whole recording."""
+    port, web = free_port(), free_port()
+    reader.here |= dict.fromkeys(HERE, f"tcp/127.0.0.1:{port}")
+    reader.here["localhost:8480"] = f"127.0.0.1:{web}"
+    gateway = f"  - {{id: gateway, params: {{port: {web}}}}}\n"
+    (reader.folder / "with-gateway.yaml").write_text(GRAPH + gateway)
+    reader.succeeds(the("running_graph", "sceneq import").text)
+    up = the("running_graph", "sceneq up").text
+    with reader.starts(up, "with-gateway.yaml", "--port", str(port)) as running:
+        running.wait_for("nodes are ready")
+        reader.succeeds(the("running_graph", "sceneq replay run.mcap --rate 0").text)
+        listed = reader.succeeds("sceneq ask ball --json").printed
+        best = re.search(r'"id": (\d+)', listed)
+        assert best, listed
+        reader.here |= {"teach 9 ": f"teach {best[1]} ", "?id=9;": f"?id={best[1]};"}
+        yield running
+
+
+HERE = ("tcp/127.0.0.1:7447", "tcp/ROBOT:7447", "tcp/robot:7447")
+"""Addresses of the router in the documents."""
+
+
+@pytest.mark.parametrize("command", of(Way.BESIDE), ids=where)
+def test_what_is_asked_of_a_running_graph(reader: Reader, graph: Running, command: Command) -> None:
+    done = reader.succeeds(command.text)
+    assert labels(command.shown) <= labels(done.printed), done.printed
+    assert done.printed.strip()
+
+
+def labels(printed: str) -> set[str]:
+    """Return what lines of a printed answer begin with, and the heads of its tables."""
+    names = set(re.findall(r"^ *([a-z_]+): ", printed, re.M))
+    heads = re.findall(r"^  ((?:[A-Za-z]+(?: [a-z]+)*  +)+[A-Za-z]+(?: [a-z]+)*)$", printed, re.M)
+    return names | {name for head in heads for name in re.split("  +", head)}
+
+
+def test_recordings_are_replayed_recorded_and_traced(reader: Reader, graph: Running) -> None:
+    reader.succeeds(the("running_graph", "sceneq replay run.mcap  ").text)
+    loop = the("running_graph", "sceneq replay run.mcap --rate 2").text
+    with reader.starts(loop, *reader.beside(loop)) as playing:
+        playing.wait_for("ready")
+        trace = the("running_graph", "sceneq trace")
+        assert labels(trace.shown) <= labels(reader.succeeds(trace.text).printed)
+        for command in of_story("running_graph", "sceneq record"):
+            recorder = reader.elsewhere("recorder")
+            with recorder.starts(command.text, *reader.beside(command.text)) as recording:
+                recording.wait_for("ready")
+            assert (recorder.folder / "run.mcap").stat().st_size > 0
+            recorder.clears("run.mcap")
+
+
+def test_python_talks_to_the_running_graph(reader: Reader, graph: Running) -> None:
+    code = block_of("docs/client.md", "python").text
+    exec(reader.read(code).replace("the red mug on the table", "red ball"), {})
+
+
+def test_numbers_are_watched(reader: Reader, graph: Running) -> None:
+    watch = the("running_graph", "sceneq status --watch").text
+    with reader.starts(watch, *reader.beside(watch)) as running:
+        running.wait_for("mapping")
+    port = str(free_port())
+    serve = the("running_graph", "sceneq metrics").text.replace("9464", port)
+    with reader.starts(serve, *reader.beside(serve)) as running:
+        running.wait_for(f"http://127.0.0.1:{port}/metrics")
+        with urlopen(f"http://127.0.0.1:{port}/metrics", timeout=20) as page:
+            assert b"sceneq_node_up" in page.read()
+
+
+@pytest.mark.parametrize("command", of_story("running_graph", "sceneq viewer"), ids=where)
+def test_a_viewer_is_opened(reader: Reader, graph: Running, command: Command) -> None:
+    ports = ("--web-port", str(free_port()), "--grpc-port", str(free_port()))
+    router = ("--router", reader.here["tcp/127.0.0.1:7447"])
+    with reader.starts(command.text, *ports, *router) as viewer:
+        viewer.wait_for(f"127.0.0.1:{ports[1]}")
+
+
+def test_a_machine_is_looked_at(reader: Reader) -> None:
+    """What is in the way here, such as a port, may be what the doctor finds."""
+    done = reader.types(the("doctor", "sceneq doctor").text)
+    assert done.code in (0, 1)
+    assert "python" in done.printed.lower()
+
+
+@pytest.mark.parametrize("command", of(Way.ALONE), ids=where)
+def test_what_needs_no_graph(
+    reader: Reader, kept: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
+    monkeypatch.setattr(sceneq_tools.suite, "make_suite", two_small_rooms)
+    if command.text.startswith(("sceneq import", "sceneq map")):
+        reader.clears("folder")
+    there = reader.elsewhere("kept") if "--store" in command.text else reader
+    done = there.succeeds(command.text, *(["--dry-run"] if command.text.startswith("pip") else []))
+    assert labels(command.shown) <= labels(done.printed), done.printed
+
+
+def two_small_rooms(out: Path, *_: object) -> int:
+    """Stand in for the eight rendered rooms of a suite, which test_synth.py renders."""
+    write_suite(out)
+    return 2
+
+
+@pytest.fixture(scope="module")
+def kept(reader: Reader) -> Path:
+    """A kept scene, a recording in MCAP, and masks of a network."""
+    store = reader.elsewhere("kept").folder / "maps"
+    scene = KeptScene(store / "room", reader.folder / "kitchen")
+    scene.visit(reader.folder / "kitchen")
+    scene.close()
+    if not (reader.folder / "run.mcap").exists():
+        reader.succeeds(the("running_graph", "sceneq import").text)
+    masks = block_of("docs/proposals.md", "python").text
+    reader.runs_python(masks)
+    return store
+
+
+@pytest.mark.parametrize("command", of(Way.STAYS), ids=where)
+def test_what_runs_until_it_is_ended(reader: Reader, command: Command) -> None:
+    kind, pattern = ONLY[next(key for key in ONLY if key in command.text)]
+    there = reader.elsewhere("recorder") if "--record" in command.text else reader
+    fakes = f"{reader.folder / 'fakes'}:{Path(__file__).parents[1]}"
+    text = re.sub(r" --port \d+", "", command.text)
+    more = ("--port", str(free_port()), "--only", kind)
+    with there.starts(text, *more, PYTHONPATH=fakes) as running:
+        running.wait_for(pattern)
+
+
+def test_two_machines_as_the_page_has_them(reader: Reader) -> None:
+    page = "docs/deployment.md"
+    there = reader.elsewhere("machines")
+    link, local = f"127.0.0.1:{free_port()}", f"127.0.0.1:{free_port()}"
+    text = block_of(page, "yaml").text.replace("/data/kitchen", str(reader.folder / "kitchen"))
+    for old, new in (
+        ("server.local:7448", link),
+        ("0.0.0.0:7448", link),
+        ("127.0.0.1:7447", local),
+    ):
+        text = text.replace(old, new)
+    (there.folder / "graph.yaml").write_text(text)
+    for command in of_story("machines"):
+        if " up " not in command.text:
+            there.succeeds(command.text)
+            continue
+        only = "ingest" if "robot" in command.text else "copy"
+        port = [] if only == "copy" else ["--port", str(free_port())]
+        with there.starts(command.text, *port, "--only", only) as running:
+            running.wait_for("is ready")
+
+
+def test_a_robot_is_played(reader: Reader) -> None:
+    robot = reader.elsewhere("robot")
+    for name in ("docs", "tools", "graph.yaml"):
+        (robot.folder / name).symlink_to(reader.folder / name)
+    port = free_port()
+    robot.here = dict.fromkeys(HERE, f"tcp/127.0.0.1:{port}")
+    up = the("robot", "sceneq up").text
+    with robot.starts(up, "--port", str(port), "--only", "ingest") as running:
+        running.wait_for("ingest is ready")
+        played = robot.succeeds(the("robot", "python").text)
+        assert f"played {FRAMES} frames" in played.printed
+        told = robot.succeeds("sceneq status --json").printed
+        assert int(re.findall(r'"frames": (\d+)', told)[-1]) > 0
+
+
+def test_a_secured_graph_lets_in_who_has_a_certificate(reader: Reader) -> None:
+    site = reader.elsewhere("secured")
+    for name in ("tools", "graph.yaml"):
+        (site.folder / name).symlink_to(reader.folder / name)
+    port = free_port()
+    site.here = {"tls/127.0.0.1:7447": f"tls/127.0.0.1:{port}"}
+    for start in ("sceneq secure init", "sceneq secure issue"):
+        site.succeeds(the("secured", start).text)
+    nodes = ("--only", "ingest,segmentation,mapping,views,encoding,routing")
+    with site.starts(the("secured", "sceneq up").text, "--port", str(port), *nodes) as running:
+        running.wait_for("nodes are ready")
+        running.wait_for("ingest +finished")
+        assert "confidence" in site.succeeds(the("secured", "SCENEQ_CREDENTIALS").text).printed
+        assert '"instances"' in site.succeeds(the("secured", "zenoh").text).printed
+
+
+def test_a_simulated_robot_walks(reader: Reader) -> None:
+    live = reader.elsewhere("live")
+    (live.folder / "graph.yaml").write_text(GRAPH)
+    with live.starts(the("live_demo", "sceneq demo").text) as running:
+        found = running.wait_for(r"sceneq ask .*--connect (\S+)")
+        live.here = dict.fromkeys(HERE, found[1])
+        assert "confidence" in live.succeeds(the("live_demo", "sceneq ask").text).printed
+        assert "mug" in live.succeeds(the("live_demo", "sceneq sim").text).printed
+
+
+def test_every_story_is_told() -> None:
+    told = {"running_graph", "machines", "robot", "secured", "live_demo", "doctor"}
+    assert {row_of(command).detail for command in of(Way.STORY)} == told
+    assert all(isinstance(row_of(command), Row) for command in COMMANDS)
+
+
+def test_make_knows_what_it_is_told(reader: Reader) -> None:
+    for text in sorted({c.text.partition("  ")[0] for c in of(Way.MAKE)}):
+        assert reader.makes(text).code == 0
