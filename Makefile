@@ -3,6 +3,7 @@
 # make furniture              optional: models for realistic rooms (Debian package, 120 MB)
 # make test                   set up everything, check and test everything
 # make site                   the documents as a site in out/site
+# make sbom                   what is installed, as a CycloneDX bill of materials in out/sbom.json
 SHELL := bash
 VENV ?= .venv
 PYTHON ?= python3
@@ -10,7 +11,10 @@ RUN := $(abspath $(VENV))/bin
 SOURCE ?= tools/sample
 OUT ?= out/demo
 
-.PHONY: setup furniture demo test lint site unit browser integration wheel clean
+# The tests start hundreds of processes, and each would compile everything anew.
+unexport PYTHONDONTWRITEBYTECODE
+
+.PHONY: setup furniture demo test lint site unit browser integration wheel sbom clean
 
 setup: $(VENV)/.ready
 
@@ -43,7 +47,7 @@ unit: setup
 	$(RUN)/python -m pytest -q -n auto --dist worksteal -m "not integration"
 
 # They wait more than they compute; which of them go together: tests/integration/conftest.py.
-SIDE_BY_SIDE := -n 2 --dist loadgroup --no-loadscope-reorder
+SIDE_BY_SIDE := -n 2 --dist loadfile --no-loadscope-reorder
 
 # The console's tests need a browser; without one they are skipped and say so.
 browser:
@@ -54,6 +58,10 @@ integration: setup browser
 
 wheel: setup
 	PYTHON=$(RUN)/python .ci/wheel
+
+sbom: setup
+	@mkdir -p out
+	@PYTHON=$(RUN)/python .ci/sbom out/sbom.json
 
 clean:
 	rm -rf $(VENV) out build dist .typecheck

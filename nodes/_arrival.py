@@ -21,7 +21,8 @@ from sceneq_core.visits import visit_of
 from sceneq_nodes._arrival_params import RELOCALISE, ArrivalParams
 from sceneq_nodes._bus import Bus, Context
 from sceneq_nodes._desk_calls import DeskCalls
-from sceneq_nodes._held_frames import Caller, HeldFrames, put_away, waiting_text
+from sceneq_nodes._held_files import Caller, put_away, waiting_text
+from sceneq_nodes._held_frames import HeldFrames
 from sceneq_nodes._left_visits import LeftVisits
 from sceneq_nodes._set_aside import DamageError, StoreError
 from sceneq_nodes._submap import Submap, in_scene
@@ -44,7 +45,6 @@ class Arrival:
         self._next_s = self._look_s = self._study_s = 0.0
         self._visit: Visit | None = None
         self._T_world_odom: Float64 | None = None
-        self._corrected: dict[int, Float64] = {}
         self._caller: Caller | None = None
         self._own: Submap | None = None
 
@@ -61,14 +61,13 @@ class Arrival:
         """Return ``frame`` as one of the scene, ``None`` while it has to wait."""
         if self._visit is None and frame.keyframe is not None:
             self._register(frame)
-        self._corrected |= frame.corrected
         if self._has_to_wait(frame.seq):
             self._hold(frame)
             return None
         T_world_odom = self._T_world_odom
         if T_world_odom is None or (not self._number and np.array_equal(T_world_odom, HERE)):
             return frame
-        return in_scene(frame, self._number, T_world_odom, self._corrected)
+        return in_scene(frame, self._number, T_world_odom)
 
     def idle(self) -> bool:
         """Look at what is held again, where the map has grown; tell whether that placed a visit.
@@ -164,7 +163,7 @@ class Arrival:
         if self._T_world_odom is None:
             number = self._visit.number
             log.info("visit %d: nothing is known of where it starts; looking around", number)
-        self._report()
+            self._report()
 
     def _open_own(self) -> Submap:
         assert self._visit is not None
@@ -231,7 +230,8 @@ class Arrival:
             for submap in waiting:
                 submap.relocaliser.renew(changed)
         self._look_s = time.monotonic() + self._params.look_again_s
-        self._report()
+        if any(self._submaps()):
+            self._report()
 
     def _register_left(self, caller: Caller) -> Visit | None:
         return self._desk.register(caller, RELOCALISE)
@@ -249,6 +249,8 @@ class Arrival:
         put_away(held.path, error)
 
     def _drop_finished(self) -> None:
+        if not any(submap.is_over for submap in self._submaps()):
+            return
         self._left.drop_finished()
         if self._own is not None and self._own.is_over:
             self._own.held.close()

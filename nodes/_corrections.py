@@ -4,7 +4,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from hashlib import sha256
 
+import numpy as np
+
 from sceneq_core.arrays import Float64
+from sceneq_core.ingest.ingestor import Ingested
 from sceneq_core.mapping.correction import Correction
 from sceneq_core.visits import visit_of
 from sceneq_schemas.correction import PoseCorrection
@@ -82,6 +85,13 @@ def _is_due(message: PoseCorrection, frame_seq: int) -> bool:
     """Tell whether ``message`` holds from an earlier frame of the same visit on."""
     is_same = visit_of(message.frame_seq) == visit_of(frame_seq)
     return is_same and message.frame_seq <= frame_seq
+
+
+def correction_message(frame: Ingested, epoch: int, number: int) -> PoseCorrection:
+    """Return what ``frame`` tells of the poses of earlier ones; the ``number``-th of ``epoch``."""
+    seqs = np.array(list(frame.corrected), np.int64)
+    poses = np.stack(list(frame.corrected.values()))
+    return PoseCorrection(epoch, number, True, frame.seq, frame.stamp_ns, seqs, poses)
 
 
 def correction_of(message: PoseCorrection) -> Correction:

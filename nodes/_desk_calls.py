@@ -8,7 +8,7 @@ from sceneq_core.places.relocaliser import Relocation
 from sceneq_core.places.visit import Visit
 from sceneq_nodes._bus import Bus, QueryError
 from sceneq_nodes._fetch import Fetch
-from sceneq_nodes._held_frames import Caller
+from sceneq_nodes._held_files import Caller
 from sceneq_nodes._place_message import place_from_message
 from sceneq_nodes._visit_json import visit_from_json
 from sceneq_nodes._wire import from_bytes, json_bytes

@@ -8,6 +8,8 @@ import logging
 import struct
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from heapq import merge
+from operator import attrgetter
 from pathlib import Path
 
 import zstandard
@@ -28,6 +30,8 @@ FILE = "told.sqlite"
 DELTA, QUIET = "delta", "quiet"
 FORM = 1
 """To be raised with every change of what the items hold."""
+KEPT = 64
+"""So many changes are on disk: more than a reader that loses nothing can be behind."""
 MAX_BYTES = 1 << 28
 _BEFORE = struct.Struct("<q")
 _ZIP, _UNZIP = zstandard.ZstdCompressor(1), zstandard.ZstdDecompressor()
@@ -67,15 +71,17 @@ class KeptDeltas(RecentDeltas):
         told = self._told()
         complete_after, before = _continued(told, last)
         super().__init__(complete_after, last.first_seq, before)
-        gone = told.keys() - {_key(delta) for delta in self}
-        put = tuple(item for item in self._everything() if (item.kind, item.number) not in told)
-        self._items.commit(Change(put, tuple(sorted(gone))))
+        items = {(item.kind, item.number): item for item in self._everything()}
+        put = tuple(item for key, item in items.items() if key not in told)
+        self._items.commit(Change(put, tuple(told.keys() - items.keys())))
 
     def add(self, delta: MapDelta) -> None:
         """Commit the newest, and let go of the oldest when there are too many."""
         item = _item(delta, self._newest())
-        gone = tuple(map(_key, self._remember(delta)))
-        self._items.commit(Change((item,), gone))
+        gone = [*map(_key, self._remember(delta))]
+        if len(self._deltas) > KEPT:
+            gone.append(_key(self._deltas[-KEPT - 1]))
+        self._items.commit(Change((item,), tuple(gone)))
 
     def close(self) -> None:
         """Let go of the file."""
@@ -85,8 +91,9 @@ class KeptDeltas(RecentDeltas):
         return self._deltas[-1].seq if self._deltas else self._complete_after
 
     def _everything(self) -> Iterator[Item]:
-        before = self._complete_after
-        for delta in self:
+        is_more = len(self._deltas) > KEPT
+        before = self._deltas[-KEPT - 1].seq if is_more else self._complete_after
+        for delta in merge(list(self._deltas)[-KEPT:], self._quiet, key=attrgetter("seq")):
             yield _item(delta, before)
             before = before if says_nothing(delta) else delta.seq
 
@@ -125,7 +132,7 @@ def _continued(told: dict[tuple[str, int], _Told], last: LastRun) -> tuple[int, 
     """
     of_map = [one for one in told.values() if one.delta.epoch == last.epoch]
     changes = {one.delta.seq: one for one in of_map if not says_nothing(one.delta)}
-    seq, kept = last.told_after, list(last.again)
+    seq, kept = _last_change(of_map, last.told_after), list(last.again)
     while (one := changes.get(seq)) is not None:
         kept.append(one.delta)
         seq = one.before
@@ -134,6 +141,18 @@ def _continued(told: dict[tuple[str, int], _Told], last: LastRun) -> tuple[int, 
     quiet = (one.delta for one in of_map if says_nothing(one.delta))
     kept += (delta for delta in quiet if seq < delta.seq < end)
     return seq, sorted(kept, key=lambda delta: delta.seq)
+
+
+def _last_change(told: list[_Told], told_after: int) -> int:
+    """Return the number of the last delta up to ``told_after`` that changed something.
+
+    The one told next names it; when that is not known, ``told_after`` itself.
+    """
+    later = (one for one in told if one.delta.seq >= told_after)
+    one = min(later, key=lambda one: one.delta.seq, default=None)
+    if one is None or (one.delta.seq == told_after and not says_nothing(one.delta)):
+        return told_after
+    return one.before if one.before <= told_after else told_after
 
 
 def _key(delta: MapDelta) -> tuple[str, int]:

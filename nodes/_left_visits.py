@@ -12,14 +12,8 @@ from pathlib import Path
 from sceneq_core.places.relocaliser import Relocaliser
 from sceneq_core.places.visit import Visit
 from sceneq_nodes._bus import Bus
-from sceneq_nodes._held_frames import (
-    Caller,
-    HeldFrames,
-    delete_held,
-    held_files,
-    put_away,
-    touched_s,
-)
+from sceneq_nodes._held_files import Caller, delete_held, held_files, put_away, touched_s
+from sceneq_nodes._held_frames import HeldFrames
 from sceneq_nodes._set_aside import DamageError, StoreError
 from sceneq_nodes._submap import Submap
 
@@ -66,12 +60,14 @@ class LeftVisits:
                 self._close(path)
             try:
                 held = HeldFrames(path, self._most)
-            except (StoreError, DamageError):
+                count = len(held)
+                held.close()
+                delete_held(path)
+            except (StoreError, DamageError, OSError) as error:
+                log.debug("%s", error)  # in use, or not to be had
                 continue
             self._bus.count("visits_let_go")
-            log.warning("%s: %d keyframes never found their place", path, len(held))
-            held.close()
-            delete_held(path)
+            log.warning("%s: %d keyframes never found their place", path, count)
 
     def drop_finished(self) -> None:
         """Close those that are in the map."""

@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from heapq import merge
+from operator import attrgetter
 
 from sceneq_core.mapping.merged import merged
 from sceneq_nodes._bus import QueryError, Reply, Request
@@ -57,7 +58,7 @@ class RecentDeltas:
         """Nothing to release."""
 
     def __iter__(self) -> Iterator[MapDelta]:
-        return merge(self._deltas, self._quiet, key=lambda delta: delta.seq)
+        return merge(self._deltas, self._quiet, key=attrgetter("seq"))
 
     def _remember(self, delta: MapDelta) -> list[MapDelta]:
         """Return those that were forgotten for it."""

@@ -13,13 +13,7 @@ from sceneq_core.state import build
 from sceneq_nodes._checkpoints import Checkpoint, Checkpoints, read
 from sceneq_nodes._database import check_pages, damage_named, open_to_read
 from sceneq_nodes._folder_lock import FolderLock
-from sceneq_nodes._held_frames import (
-    Waiting,
-    check_held,
-    delete_held,
-    held_files,
-    read_waiting,
-)
+from sceneq_nodes._held_files import Waiting, check_held, delete_held, held_files, read_waiting
 from sceneq_nodes._item_store import SCHEMA as ITEMS_SCHEMA
 from sceneq_nodes._item_store import damaged_items
 from sceneq_nodes._journal import SCHEMA as JOURNAL_SCHEMA
@@ -226,7 +220,8 @@ def find(store: Path) -> list[SceneFolder]:
 
 
 def _is_scene(path: Path) -> bool:
-    return (path / FOLDER).is_dir() or (path / VIEWS).is_file() or any(path.glob(FEATURES))
+    is_kept = (path / FOLDER).is_dir() or (path / VIEWS).is_file()
+    return is_kept or any(path.glob(FEATURES)) or bool(held_files(path))
 
 
 @contextlib.contextmanager

@@ -13,7 +13,6 @@ from sceneq_core.places.visit import Visit
 from sceneq_core.visits import seq_in_scene
 from sceneq_nodes._held_frames import HeldFrames
 
-
 LOOKS = GazetteerParams(apart_m=0.1, apart_deg=5.0, most=64)
 """Which keyframes of an earlier run are looked at: none that shows what another one shows."""
 
@@ -99,7 +98,11 @@ class Submap:
             self._given = self.held.last
             return None
         self._given, frame = found
-        moved = self.in_scene(replace(frame, corrected={}))
+        pose = self._corrected.get(frame.seq, frame.T_world_camera)
+        assert self.T_world_odom is not None
+        moved = in_scene(
+            replace(frame, T_world_camera=pose, corrected={}), self.number, self.T_world_odom
+        )
         self._under_way[moved.seq] = self._given
         return moved
 
@@ -112,11 +115,6 @@ class Submap:
         """Do not wait for keyframe ``seq`` of the scene; it goes again at the next start."""
         self._under_way.pop(seq, None)
 
-    def in_scene(self, frame: Ingested) -> Ingested:
-        """Return ``frame`` with the scene's numbers, at its newest pose, in the scene's frame."""
-        assert self.T_world_odom is not None
-        return in_scene(frame, self.number, self.T_world_odom, self._corrected)
-
     def _next_of_backlog(self) -> Ingested | None:
         if (found := self.held.read(self._read)) is None:
             self._read = self._backlog
@@ -126,12 +124,10 @@ class Submap:
         return frame
 
 
-def in_scene(
-    frame: Ingested, visit: int, T_world_odom: Float64, known: Mapping[int, Float64]
-) -> Ingested:
-    """Return a frame of a visit as one of the scene; ``known``: poses by its own seq."""
+def in_scene(frame: Ingested, visit: int, T_world_odom: Float64) -> Ingested:
+    """Return a frame of a visit with the scene's numbers, in the scene's frame of reference."""
     seq = seq_in_scene(visit, frame.seq)
-    pose = nearest_rigid(T_world_odom @ known.get(frame.seq, frame.T_world_camera))
+    pose = nearest_rigid(T_world_odom @ frame.T_world_camera)
     corrected = {
         seq_in_scene(visit, old): nearest_rigid(T_world_odom @ T)
         for old, T in frame.corrected.items()

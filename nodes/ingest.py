@@ -17,11 +17,10 @@ Bad     a source that cannot be opened ends the process with code 2; a bad frame
 
 import logging
 import time
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
-
-import numpy as np
 
 from sceneq_core.ingest.ingestor import Ingested
 from sceneq_core.ingest.pose_graph import PoseGraphParams
@@ -29,6 +28,7 @@ from sceneq_core.ingest.source import RawFrame, Skipped, Waiting
 from sceneq_nodes._arrival import Arrival
 from sceneq_nodes._arrival_params import ArrivalParams
 from sceneq_nodes._bus import Bus, Context, Received, Reply, Request
+from sceneq_nodes._corrections import correction_message
 from sceneq_nodes._epoch import new_epoch
 from sceneq_nodes._images import frame_message
 from sceneq_nodes._ingesting import IngestSpecs, new_ingestor, open_source
@@ -113,6 +113,7 @@ class Ingest:
         params = self._params
         self._report("opening")
         self._epoch, self._corrections = new_epoch(), 0
+        self._corrected: deque[PoseCorrection] = deque(maxlen=params.window)
         self._specs = IngestSpecs(
             params.source, params.keyframes, params.odometry, params.pose_graph
         )
@@ -259,11 +260,8 @@ class Ingest:
     def _publish_correction(self, frame: Ingested) -> None:
         """Tell, before the keyframe that showed it, which earlier poses were wrong."""
         self._corrections += 1
-        seqs = np.array(list(frame.corrected), np.int64)
-        poses = np.stack(list(frame.corrected.values()))
-        correction = PoseCorrection(
-            self._epoch, self._corrections, True, frame.seq, frame.stamp_ns, seqs, poses
-        )
+        correction = correction_message(frame, self._epoch, self._corrections)
+        self._corrected.append(correction)
         self._bus.publish(POSE_CORRECTION, correction, robot=self._context.robot)
         self._bus.count("corrections")
         log.info("keyframe %d corrects %d poses", frame.seq, len(frame.corrected))
@@ -277,6 +275,9 @@ class Ingest:
     def _resend(self, now_s: float) -> None:
         for message in self._window.overdue(now_s):
             self._bus.count("frames_resent")
+            for correction in self._corrected:
+                if correction.frame_seq == message.seq:
+                    self._bus.publish(POSE_CORRECTION, correction, robot=self._context.robot)
             self._publish_keyframe(message)
         for seq in self._window.lost(now_s):
             log.error("keyframe %d lost: sent %d times, no view delta", seq, self._params.tries)

@@ -51,8 +51,9 @@ from sceneq_schemas.topics import (
 
 log = logging.getLogger(__name__)
 
-PATIENCE_STEPS = 40
-"""Changes of the map wait so many idle steps, of ``idle_s``, for a frame that is sent again."""
+PATIENCE_STEPS, START_STEPS = 40, 120
+"""Changes of the map wait so many idle steps, of ``idle_s``, for a frame that is sent again; more
+before the first one, for a source that starts when everything does."""
 REMEMBERED = 64
 """So many keyframes, the last ones, are known to be in the map when they come late."""
 
@@ -90,7 +91,7 @@ class Views:
         self._unsent: dict[int, ViewSet] = {}
         self._mapped: deque[int] = deque(maxlen=REMEMBERED)
         self._quarantined: deque[int] = deque(maxlen=REMEMBERED)
-        self._marked = self._idle_steps = 0
+        self._marked, self._idle_steps, self._patience = 0, 0, START_STEPS
         self._held: deque[MapDelta] = deque()
 
     def open(self, bus: Bus) -> None:
@@ -127,7 +128,7 @@ class Views:
             self._wait(received.message)
         else:
             self._map.offer(received.message)
-        self._advance(patient=received is not None or self._idle_steps < PATIENCE_STEPS)
+        self._advance(patient=received is not None or self._idle_steps < self._patience)
         self._idle_steps = self._idle_steps + 1 if received is None and self._held else 0
         if received is None:
             self._publish_changes(always=self._journal.seq != self._marked)
@@ -166,19 +167,15 @@ class Views:
             if self._store.is_behind:
                 self._journal, self._run = ViewJournal(new_epoch()), 0
         if kept:
-            self._resume_journal()
+            view_sets = map(view_set_message, self._selector.view_sets())
+            self._journal.resume(first_seq(self._run), view_sets, **self._where())
         self._report()
 
-    def _resume_journal(self) -> None:
-        frame_seq, stamp_ns = self._newest
-        self._journal.resume(
-            first_seq(self._run),
-            map(view_set_message, self._selector.view_sets()),
-            frame_seq=frame_seq,
-            stamp_ns=stamp_ns,
-            map_epoch=self._map_epoch,
-            map_seq=self._map_seq,
-        )
+    def _where(self) -> dict[str, int]:
+        """Return the newest keyframe and the revision of the map that what is told belongs to."""
+        seq, stamp_ns = self._newest
+        revision = {"map_epoch": self._map_epoch, "map_seq": self._map_seq}
+        return {"frame_seq": seq, "stamp_ns": stamp_ns, **revision}
 
     def _follow(self, delta: MapDelta) -> None:
         """Queue a change of the map; a whole map that follows on none makes all others needless."""
@@ -235,7 +232,7 @@ class Views:
             self._newest = (frame.seq, frame.stamp_ns)
             self._publish_changes(always=True)
             return
-        self._is_lossless = frame.after >= 0
+        self._is_lossless, self._patience = frame.after >= 0, PATIENCE_STEPS
         self._waiting[frame.seq] = frame
         if len(self._waiting) > self._params.waiting:
             oldest = next(iter(self._waiting))
@@ -276,16 +273,9 @@ class Views:
         if not (changed or always):
             return
         self._unsent.clear()
-        seq, stamp_ns = self._newest
         if self._store:
             self._store.keep()
-        delta = self._journal.write(
-            changed,
-            frame_seq=seq,
-            stamp_ns=stamp_ns,
-            map_epoch=self._map_epoch,
-            map_seq=self._map_seq,
-        )
+        delta = self._journal.write(changed, **self._where())
         self._bus.publish(VIEW_DELTA, delta, scene=self._context.scene)
         self._report()
 

@@ -66,7 +66,9 @@ def run(
     file = out / f"{calibration.encoder}.json" if out.is_dir() else out
     on_maps = [scene.questioned.name for scene in mapped]
     write_json({**fitted.as_dict(), "maps": on_maps, "date": date}, file)
-    typer.echo(f"T {calibration.temperature:g}, {calibration.null}, {calibration.gate}")
+    typer.echo(f"T {calibration.temperature:g}, {calibration.gate}")
+    typer.echo(f"named: {calibration.null}")
+    typer.echo(f"described: {calibration.null_described or 'as named'}")
     typer.echo(f"{calibration.name} -> {file}")
 
 

@@ -43,7 +43,7 @@ def info(scene: Scene, store: Store = None, as_json: AsJson = False) -> None:
     import json
     from dataclasses import asdict
 
-    from sceneq_nodes._held_frames import Caller
+    from sceneq_nodes._held_files import Caller
     from sceneq_nodes._visit_json import visit_json
 
     folder = _one(store, scene)
@@ -99,7 +99,7 @@ def drop(
     yes: Yes = False,
 ) -> None:
     """Delete what a visit holds that is not placed in the map."""
-    from sceneq_nodes._held_frames import Caller
+    from sceneq_nodes._held_files import Caller
     from sceneq_tools.errors import UserError
 
     folder = _one(store, scene)
@@ -217,7 +217,7 @@ def _row(facts: "SceneFacts") -> tuple[str, ...]:
 
 
 def _waiting(facts: "SceneFacts") -> str:
-    from sceneq_nodes._held_frames import waiting_text
+    from sceneq_nodes._held_files import waiting_text
 
     return waiting_text(facts.waiting_visits, facts.waiting_keyframes)
 

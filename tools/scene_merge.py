@@ -20,7 +20,7 @@ from sceneq_nodes._backends import load
 from sceneq_nodes._bus import Context, QueryError
 from sceneq_nodes._corrections import correction_of
 from sceneq_nodes._fetch import Fetch
-from sceneq_nodes._held_frames import copy_held
+from sceneq_nodes._held_files import copy_held
 from sceneq_nodes._images import frame_from_message
 from sceneq_nodes._mapped import CORRECTION, KEYFRAME, VISITED
 from sceneq_nodes._params import validate

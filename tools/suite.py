@@ -37,11 +37,33 @@ class SuiteRoom:
         return f"{self.split}_{self.kind}_{self.seed}"
 
 
+TUNED = ("kitchen", "living_room", "office", "bedroom")
+TESTED = ("kitchen", "living_room", "office", "mixed")
 ROOMS = (
-    *(SuiteRoom(TUNING, kind, 11) for kind in ("kitchen", "living_room", "office", "bedroom")),
-    *(SuiteRoom(TEST, kind, 21) for kind in ("kitchen", "living_room", "office", "mixed")),
+    *(SuiteRoom(TUNING, kind, 11) for kind in TUNED),
+    *(SuiteRoom(TEST, kind, 21) for kind in TESTED),
 )
 """No seed is in both splits, and one kind of room is never tuned on."""
+MOST_ROUNDS = 9
+
+
+def rooms_of(rounds: int) -> tuple[SuiteRoom, ...]:
+    """Return ``ROOMS``, and for each further round as many of the next seeds, bedrooms tested too.
+
+    Probabilities need many questions to be judged by; a mapper does not.
+
+    Raises:
+        ValueError: less than one round, or so many that the splits would share a seed.
+    """
+    if not 1 <= rounds <= MOST_ROUNDS:
+        raise ValueError(f"rounds: expected 1 to {MOST_ROUNDS}, got {rounds}")
+    more = [
+        SuiteRoom(split, kind, first + later)
+        for split, first, kinds in ((TUNING, 11, TUNED), (TEST, 21, (*TESTED, "bedroom")))
+        for later in range(1, rounds)
+        for kind in kinds
+    ]
+    return (*ROOMS, *more)
 
 
 @dataclass(frozen=True, slots=True)

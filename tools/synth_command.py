@@ -36,9 +36,12 @@ def run(
         bool,
         typer.Option(
             "--suite",
-            help="The benchmark of eight rooms instead; takes --frames, --force, --quiet.",
+            help="The benchmark of eight rooms; takes --rounds, --frames, --force, --quiet.",
         ),
     ] = False,
+    rounds: Annotated[
+        int, typer.Option(min=1, help="With --suite: nine rooms more for each further one.")
+    ] = 1,
     force: Annotated[
         bool, typer.Option("--force", help="Write into a folder that holds other files too.")
     ] = False,
@@ -51,8 +54,10 @@ def run(
         own = {"--seed": seed, "--changes": changes, "--clean": clean, "--room": room != "mixed"}
         camera = {"--rate": rate != 10.0, "--pace": pace != 1.0, "--size": size != "640x480"}
         _need_none(own | camera | {"--quality": quality != 92})
-        _synth_suite(out, frames, force, quiet)
+        _synth_suite(out, frames, rounds, force, quiet)
         return
+    if rounds != 1:
+        raise UserError("--rounds: only a suite has them (--suite)", 2)
     try:
         params = SynthParams(
             seed=seed,
@@ -96,20 +101,21 @@ def _need_none(given: "dict[str, int | bool]") -> None:
         raise UserError(f"--suite and {', '.join(clash)}: a suite says this of its rooms itself", 2)
 
 
-def _synth_suite(out: Path, frames: int | None, force: bool, quiet: bool) -> None:
+def _synth_suite(out: Path, frames: int | None, rounds: int, force: bool, quiet: bool) -> None:
     from sceneq_tools.room.models.libraries import open_library
-    from sceneq_tools.suite import ROOMS, SuiteParams, make_suite
+    from sceneq_tools.suite import SuiteParams, make_suite, rooms_of
 
     def make(params: "SynthParams", folder: Path) -> str:
         return _synth(params, folder, force, quiet)
 
     try:
         params = SuiteParams(frames) if frames else SuiteParams()
-        made = make_suite(out, params, open_library().name, make, quiet)
+        rooms = rooms_of(rounds)
+        made = make_suite(out, params, open_library().name, make, quiet, rooms)
     except (ValueError, OSError) as error:
         raise UserError(str(error)) from error
     if not quiet:
-        typer.echo(f"{made} rooms made, {len(ROOMS) - made} were there -> {out}")
+        typer.echo(f"{made} rooms made, {len(rooms) - made} were there -> {out}")
 
 
 def command_line(planned: "Plan", out: str) -> str:

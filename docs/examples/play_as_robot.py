@@ -46,9 +46,12 @@ class Robot:
         return self.make("std_msgs/msg/Header", stamp, frame)
 
     def send(self, topic: str, message: Any, stamp_ns: int) -> None:
-        """Publish a message."""
+        """Publish a message; on a full link it waits, as it would not with best effort."""
         self.session.put(
-            self.key(topic, message), self.data(message), attachment=self.note(stamp_ns)
+            self.key(topic, message),
+            self.data(message),
+            attachment=self.note(stamp_ns),
+            congestion_control=zenoh.CongestionControl.BLOCK,
         )
 
     def latch(self, topic: str, message: Any) -> Any:

@@ -18,7 +18,7 @@ import numpy as np
 
 from sceneq_core.arrays import UInt8, UInt16
 from sceneq_core.ingest.source import Camera, RawFrame, RefusedError, Skipped
-from sceneq_core.ingest.synchronizer import Synced, Synchronizer, SyncParams
+from sceneq_core.ingest.synchronizer import Synced, Synchronizer, SyncParams, Unmatched
 from sceneq_core.ingest.undistortion import Undistortion
 from sceneq_nodes._frame_files import lap_length
 from sceneq_nodes._image_file import decode_rgb, header
@@ -114,10 +114,10 @@ class AzureSource:
                 if packet.pts is None:
                     continue
                 stamp_ns = round(packet.pts * packet.time_base * NS_PER_S)
-                for joined in together.add(tracks[packet.stream.index], stamp_ns, bytes(packet)):
-                    if isinstance(joined, Synced):
-                        color, depth = joined.items
-                        yield joined.stamp_ns, color, depth
+                yield from _pairs(
+                    together.add(tracks[packet.stream.index], stamp_ns, bytes(packet))
+                )
+        yield from _pairs(together.flush())
 
     def _frame(self, seq: int, stamp_ns: int, color: bytes, depth: bytes) -> RawFrame:
         return RawFrame(
@@ -151,6 +151,13 @@ class AzureSource:
             return self._av.open(str(self._path))
         except (OSError, ValueError) as error:  # PyAV's errors are both
             raise ValueError(f"{self._path}: cannot be read: {error}") from error
+
+
+def _pairs(settled: list[Synced[bytes] | Unmatched]) -> Iterator[tuple[int, bytes, bytes]]:
+    for joined in settled:
+        if isinstance(joined, Synced):
+            color, depth = joined.items
+            yield joined.stamp_ns, color, depth
 
 
 def _pyav() -> Any:

@@ -13,6 +13,7 @@ are little-endian.
 
 import sqlite3
 import struct
+import weakref
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -62,6 +63,7 @@ class RtabmapDatabase:
         if not path.is_file():
             raise ValueError(f"{path}: no such file")
         self._file = sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)
+        weakref.finalize(self, self._file.close)
         try:
             self.version = str((self._one("SELECT version FROM Admin") or ("?",))[0])
             rows = self._file.execute(FRAMES).fetchall()

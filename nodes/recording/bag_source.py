@@ -119,8 +119,11 @@ class BagSource:
     def _lap(self, joined: Assembly) -> Iterator[RawFrame]:
         for role, message in self._messages():
             joined.take(role, message)
-            while (frame := joined.frame()) is not None:
-                yield frame
+            yield from _complete(joined)
+        joined.finish()
+        yield from _complete(joined)
+        if left := joined.finish():
+            self._troubles.note("no_pose", f"{left} images at the end of the bag have none")
 
     def _messages(self) -> Iterator[tuple[str, Any]]:
         """Yield role and message, all static transforms first; what is damaged is a trouble."""
@@ -196,6 +199,11 @@ class BagSource:
                 yield reader
         except (AnyReaderError, OSError) as error:
             raise ValueError(f"{self._path}: {error}") from error
+
+
+def _complete(joined: Assembly) -> Iterator[RawFrame]:
+    while (frame := joined.frame()) is not None:
+        yield frame
 
 
 def _roles(ros: Ros2Params, reader: AnyReader) -> dict[str, str]:

@@ -117,7 +117,15 @@ class Assembly:
             return
         if stream == DEPTH and self._scans is not None:
             self._scans.add(picture.stamp_ns, message)
-        for settled in self._sync.add(stream, picture.stamp_ns, picture):
+        self._settle_pairs(self._sync.add(stream, picture.stamp_ns, picture))
+
+    def finish(self) -> int:
+        """Join what waits for something nearer: nothing comes. Return how many wait for a pose."""
+        self._settle_pairs(self._sync.flush())
+        return len(self._due)
+
+    def _settle_pairs(self, pairs: "list[Synced[_Picture] | Unmatched]") -> None:
+        for settled in pairs:
             if isinstance(settled, Synced):
                 self._alone = 0
                 self._troubles.over("unsynced")

@@ -13,7 +13,7 @@ from sceneq_nodes.ros.source import topic_roles
 
 @dataclass(frozen=True, slots=True)
 class RosKeys:
-    """Key expressions: ``read`` from a robot (``latched``: also from its caches), ``written`` to it.
+    """Key expressions: ``read`` from a robot, of its caches ``latched``, ``written`` to it.
 
     ``tokens``: liveliness by which ROS finds the publishers of what is written.
     """

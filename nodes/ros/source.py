@@ -27,6 +27,7 @@ from sceneq_nodes.ros.troubles import Troubles
 from sceneq_nodes.ros.typestore import typestore
 
 SECURED = "; with 'secure' only topics pass that 'sceneq secure init --graph' was told"
+QUIET_S = 1.0
 DAY_S = 86_400
 SEQ_HZ = 100
 """Numbers grow faster than any camera: a source that starts again the same day reuses none."""
@@ -106,7 +107,17 @@ class Ros2Source:
             if message is not None:
                 self._assembly.take(role, message)
                 frame = self._assembly.frame()
+        if frame is None and self._is_quiet():
+            self._assembly.finish()
+            frame = self._assembly.frame()
         return frame
+
+    def _is_quiet(self) -> bool:
+        """Tell whether no image has come for so long that none will come for those that wait."""
+        heard_s = [
+            s for role, s in self._heard_s.items() if role in (assembly.COLOUR, assembly.DEPTH)
+        ]
+        return bool(heard_s) and self._clock() - max(heard_s) > QUIET_S
 
     def _tell(self) -> None:
         if dropped := self._mailbox.dropped():

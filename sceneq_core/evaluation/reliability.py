@@ -58,18 +58,6 @@ def calibration_error(bins: tuple[Bin, ...]) -> float:
     return sum(gaps) / total if total else 0.0
 
 
-def error_without_fault(confidence: Float64, count: int, rounds: int = 200) -> float:
-    """Return the error over ``count`` equally wide bins if ``confidence`` (N,) were exactly true.
-
-    Chance alone makes it differ from 0, the more the fewer predictions there are: the mean over
-    ``rounds`` draws of what is right, always the same draws.
-    """
-    rng = np.random.default_rng(0)
-    draws = rng.random((rounds, len(confidence))) < confidence
-    errors = [calibration_error(equal_width_bins(confidence, right, count)) for right in draws]
-    return float(np.mean(errors)) if errors else 0.0
-
-
 def _bins(confidence: Float64, right: Bool, of_each: Int64, edges: Float64) -> tuple[Bin, ...]:
     made = []
     for at in np.unique(of_each).tolist():

@@ -76,6 +76,14 @@ class Synchronizer(Generic[Item]):
             settled.append(Unmatched(stream, stamp_ns, self._apart_s(stream, stamp_ns)))
         return settled + self._settle()
 
+    def flush(self) -> list[Synced[Item] | Unmatched]:
+        """Join what waits and has a partner, as when nothing more comes; what has none waits on."""
+        settled: list[Synced[Item] | Unmatched] = []
+        first = self._waiting[self._first]
+        while first and all(self._has_near(stream, first[0][0]) for stream in self._others):
+            settled += self._join(*first.popleft())
+        return settled
+
     def clear(self) -> int:
         """Forget everything, stamps too; return how many items waited."""
         count = sum(map(len, self._waiting.values()))
@@ -97,6 +105,9 @@ class Synchronizer(Generic[Item]):
         if waiting and waiting[-1][0] >= stamp_ns:
             return True
         return self._last_ns.get(stream, 0) > stamp_ns + self._tolerance_ns
+
+    def _has_near(self, stream: str, stamp_ns: int) -> bool:
+        return any(abs(ns - stamp_ns) <= self._tolerance_ns for ns, _ in self._waiting[stream])
 
     def _join(self, stamp_ns: int, item: Item) -> list[Synced[Item] | Unmatched]:
         """Take the nearest of each other stream; what is older than it goes alone."""

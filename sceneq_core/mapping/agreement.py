@@ -14,30 +14,17 @@ class RegionViews:
 
     ``segment`` int32 (R + 1, C), ``NO_SEGMENT`` where the view is none of the region's; a column is
     a keyframe, ``column`` int32 (S,) that of each segment number. The last row has no views and
-    stands for no region (-1).
+    stands for no region (-1). ``top`` int32 (R + 1, V) are the segments of each row by themselves,
+    in no more columns than a region has views.
     """
 
     segment: Int32
     column: Int32
-
-    def renumbered(self, kept: Int64, number: Int32) -> "RegionViews":
-        """Return the same with only the segments ``kept``, under their new numbers."""
-        gone = np.ones(len(number), np.bool_)
-        gone[kept] = False
-        segment = np.where(gone[self.segment], np.int32(-1), number[self.segment])
-        return RegionViews(segment, self.column[kept])
-
-    def dominant(self, region: Array, segment: Array) -> Int32:
-        """Return the segment that dominates regions in the keyframes of other segments (N,)."""
-        known = (region < len(self.segment) - 1) & (segment < len(self.column))
-        row, column = np.where(known, region, -1), self.column[np.where(known, segment, 0)]
-        return self.segment[row, column]
+    top: Int32
 
     def compare(self, first: Array, second: Array) -> tuple[Int64, Int64]:
         """Return (common views with equal segments, common views), int64 (N,), of region pairs."""
-        a, b = self.segment.take(first, axis=0), self.segment.take(second, axis=0)
-        common = (a != NO_SEGMENT) & (b != NO_SEGMENT)
-        return (common & (a == b)).sum(axis=1), common.sum(axis=1)
+        return self.compare_segments(self.top.take(first, axis=0), second)
 
     def compare_segments(self, segment: Int32, region: Array) -> tuple[Int64, Int64]:
         """Return the same for the views ``segment`` int32 (N, V) of N things, each with a region.

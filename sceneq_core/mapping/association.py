@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from sceneq_core.arrays import Array, Bool, Int32, Int64
-from sceneq_core.mapping.agreement import expected_agreement
+from sceneq_core.mapping.agreement import RegionViews, expected_agreement
 from sceneq_core.mapping.association_params import AssociationParams
 from sceneq_core.mapping.borders import Borders
 from sceneq_core.mapping.consolidation import consolidated
@@ -17,7 +17,8 @@ from sceneq_core.mapping.ids import Ids
 from sceneq_core.mapping.mask_segments import NO_MASK, MaskSegments
 from sceneq_core.mapping.merging import Pairs, merging_pairs, united
 from sceneq_core.mapping.neighbourhood import Neighbourhood
-from sceneq_core.mapping.rows import marked, with_rows
+from sceneq_core.mapping.region_table import NO_COLUMN
+from sceneq_core.mapping.rows import marked, sorted_keys, with_rows
 from sceneq_core.mapping.superpoints import SuperpointChange
 from sceneq_core.mapping.visibility import Visible
 
@@ -45,8 +46,7 @@ class Association:
         self._groups = Ids()
         self._mask_segments = MaskSegments()
         self._renumber_at = _MANY_SEGMENTS
-        self._look()
-        self._decided = self._owner, self._views
+        self._decided = self._owner
 
     def __len__(self) -> int:
         """Return one more than the largest group number given so far."""
@@ -80,7 +80,7 @@ class Association:
         changes.note(self.of(visible.superpoint_id))
         before = self._of_superpoint.copy()
         segment = self._record(visible, keyframe)
-        self._refine(self._neighbourhood.follow(change, visible), changes)
+        self._refine(self._neighbourhood.follow(change, visible, self._of_superpoint), changes)
         self._resume(before, changes)
         changes.note(self.of(visible.superpoint_id))
         return self._change(changes, self._seen(segment))
@@ -114,7 +114,6 @@ class Association:
             segment = self._mask_segments.numbers(mask, view, self._coverage)
             self._evidence.record(superpoint_id, segment, pixels)
         self._assign(superpoint_id, group)
-        self._look()
         return GroupChange(changes.groups(), np.zeros(0, np.int32), changes.founded, ())
 
     def unite(self, first: Int32, second: Int32) -> Pairs:
@@ -132,7 +131,6 @@ class Association:
                 pairs += self._unite(((a, b),))
                 gone.add(pairs[-1][0])
         self._release(np.array(sorted(gone), np.int32))
-        self._look()
         return tuple(pairs)
 
     def dissolve(self, group: Int32) -> None:
@@ -141,7 +139,6 @@ class Association:
         self._assign(superpoint_id, np.full(len(superpoint_id), NO_GROUP, np.int32))
         self._evidence.forget(superpoint_id)
         self._release(group)
-        self._look()
 
     def renumber(self) -> None:
         """Forget segments that no superpoint has evidence of any more; no group changes."""
@@ -153,10 +150,7 @@ class Association:
         self._evidence.renumber(number)
         self._coverage.renumber(kept, number)
         self._mask_segments.renumber(number)
-        owner, views = self._decided
-        known = kept[kept < len(owner)]
-        self._decided = owner[known], views.renumbered(known, number)
-        self._look()
+        self._decided = self._decided[kept[kept < len(self._decided)]]
         self._renumber_at = max(_MANY_SEGMENTS, 2 * len(kept))
 
     def _inherit(self, change: SuperpointChange, visible: Visible, changes: Changes) -> None:
@@ -183,16 +177,16 @@ class Association:
         group = self.of(superpoint)
         self._coverage.add(group, old_segment, -old_pixels)
         self._coverage.add(group, segment, pixels)
-        self._look()
         return first
 
     def _refine(self, superpoint_id: Int32, changes: Changes) -> bool:
         """Refine in rounds, first of ``superpoint_id``; return whether something is left to do."""
         for _ in range(self._params.max_rounds):
-            superpoint_id = np.union1d(superpoint_id, self._disturbed())
+            superpoint_id = sorted_keys(superpoint_id, self._disturbed())
             if not len(superpoint_id):
                 return False
-            self._decided = self._owner, self._views
+            self._decided = self._owner
+            self._coverage.decide()
             self._neighbourhood.calm()
             self._consolidate_and_detach(superpoint_id, changes)
             self._merge(changes)
@@ -222,12 +216,13 @@ class Association:
         changes.note(before[moving], target[moving])
         self._assign(superpoint_id[moving], target[moving])
         changes.desert(before[moving], target[moving], self._sizes())
-        self._look()
 
     def _merge(self, changes: Changes) -> None:
-        while pairs := merging_pairs(self._views, self._in_view(), self._borders(), self._params):
+        kinships = self._neighbourhood.kinships
+        while pairs := merging_pairs(
+            self._views, self._in_view(), self._borders(), kinships, self._params
+        ):
             changes.merged += self._unite(pairs)
-            self._look()
 
     def _resume(self, before: Int32, changes: Changes) -> None:
         """Give what was merged and taken out again its number back: it is the group it was."""
@@ -235,7 +230,6 @@ class Association:
             members = self.members(group)
             self._assign(members, np.full(len(members), former, np.int32))
             changes.resume(group, former)
-            self._look()
 
     def _unite(self, pairs: Pairs) -> Pairs:
         """Move the superpoints of the smaller of each pair; return pairs (emptied, into)."""
@@ -254,23 +248,23 @@ class Association:
             np.concatenate((-entries.pixels, entries.pixels)),
         )
         self._of_superpoint[superpoint_id] = group
-        self._neighbourhood.move(superpoint_id)
+        self._neighbourhood.move(superpoint_id, before, group)
 
-    def _look(self) -> None:
-        """Take in who owns which segment, and which segments dominate the groups."""
-        self._owner = self._coverage.owners()
-        self._views = self._coverage.region_views(len(self))
+    @property
+    def _owner(self) -> Int32:
+        return self._coverage.owners()
+
+    @property
+    def _views(self) -> RegionViews:
+        return self._coverage.region_views(len(self))
 
     def _disturbed(self) -> Int32:
         """Return the superpoints that may decide anew: of changed segments, beside what moved."""
-        owner, views = self._decided
-        changed: Bool = self._coverage.differing(views, self._views)
+        changed, owner = self._coverage.differing(), self._decided
         changed[: len(owner)] |= self._owner[: len(owner)] != owner
-        beside = self._neighbourhood.disturbed()
-        if not changed.any():
-            return beside
-        own = self._evidence.showing(changed, len(self._of_superpoint))
-        return np.union1d(own, beside)
+        may_show = self._coverage.covering(changed, len(self))
+        own = self._evidence.showing(changed, may_show[self._of_superpoint])
+        return sorted_keys(own, self._neighbourhood.disturbed())
 
     def _in_view(self) -> Bool:
         """Mark the groups (G,) of which the last keyframe shows something."""
@@ -281,8 +275,8 @@ class Association:
 
     def _seen(self, first_segment: int) -> Int32:
         """Return the groups that have a view in the keyframe of the latest segments."""
-        seen = (self._views.segment >= first_segment).any(axis=1)
-        return np.flatnonzero(seen).astype(np.int32)
+        column = int(self._views.column[first_segment:].max(initial=NO_COLUMN))
+        return np.flatnonzero(self._views.segment[:, column] >= first_segment).astype(np.int32)
 
     def _change(self, changes: Changes, seen: Int32) -> GroupChange:
         changed = changes.groups()

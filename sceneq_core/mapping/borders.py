@@ -6,6 +6,7 @@ import numpy as np
 
 from sceneq_core.arrays import Array, Bool, Float64, Int32, Int64
 from sceneq_core.mapping.colours import Palette
+from sceneq_core.mapping.rows import marked, sorted_keys
 from sceneq_core.mapping.tally import Tally
 
 SHIFT = 32
@@ -69,16 +70,20 @@ class Borders:
             return np.zeros(0)
         pair = np.minimum(first, second).astype(np.int64) << SHIFT | np.maximum(first, second)
         asked, row = np.unique(pair, return_inverse=True)
-        length, unbent = self._between(self.length, asked), self._between(self.unbent, asked)
+        inside = self._members(asked & LOW)
+        length, unbent = (self._between(t, asked, inside) for t in (self.length, self.unbent))
         return np.asarray((unbent / np.maximum(length, 1))[row])
 
-    def meeting(self) -> tuple[Int64, Int64]:
-        """Return the pairs (P,) of groups that the surface goes on between."""
-        key = self.unbent.key
-        first, second = self.group.take(key >> SHIFT), self.group.take(key & LOW)
-        known = np.flatnonzero((first < second) & (first >= 0))
-        pair = np.unique(first.take(known).astype(np.int64) << SHIFT | second.take(known))
-        return pair >> SHIFT, pair & LOW
+    def meeting(self, group: Int64) -> Int64:
+        """Return the pairs (P,) that the surface goes on between and one of which is in ``group``.
+
+        They are packed and sorted.
+        """
+        key = self.unbent.key.take(self.unbent.under(self._members(group), SHIFT))
+        one, other = self.group.take(key >> SHIFT), self.group.take(key & LOW)
+        known = np.flatnonzero((one != other) & (other >= 0))
+        one, other = one.take(known).astype(np.int64), other.take(known)
+        return sorted_keys(np.minimum(one, other) << SHIFT | np.maximum(one, other))
 
     def kinship(self, first: Array, second: Array) -> Float64:
         """Return how much group pairs look like one thing, float64 (P,), 0 to 1.
@@ -106,13 +111,23 @@ class Borders:
         apart = Borders(self.length, self.unbent, self.palette, self.in_view, group)
         return apart.kinship(former[asked], first + np.flatnonzero(asked))
 
-    def _between(self, tally: Tally, asked: Int64) -> Float64:
-        """Return the sums between group pairs ``asked``, packed and sorted (P,)."""
-        first, second = self.group.take(tally.key >> SHIFT), self.group.take(tally.key & LOW)
+    def _members(self, group: Array) -> Int64:
+        """Return the superpoints, sorted, of groups."""
+        largest = max(int(self.group.max(initial=0)), int(group.max(initial=0)))
+        return np.flatnonzero(marked(group, largest + 2)[self.group])
+
+    def _between(self, tally: Tally, asked: Int64, inside: Int64) -> Float64:
+        """Return the sums between group pairs ``asked``, packed and sorted (P,).
+
+        ``inside`` are the superpoints of the second ones.
+        """
+        entry = tally.under(inside, SHIFT)
+        key = tally.key.take(entry)
+        second, first = self.group.take(key >> SHIFT), self.group.take(key & LOW)
         # Most pairs are of one group: what is left are the borders.
         known = np.flatnonzero((first < second) & (first >= 0))
         key = first.take(known).astype(np.int64) << SHIFT | second.take(known)
         place = np.searchsorted(asked, key)
         hit = np.flatnonzero(np.append(asked, -1).take(place) == key)
-        total = tally.total.take(known.take(hit))
+        total = tally.total.take(entry.take(known.take(hit)))
         return np.bincount(place.take(hit), total, len(asked)).astype(np.float64)

@@ -79,7 +79,8 @@ class Palette:
         asked, place = np.unique(np.stack((first, second)), return_inverse=True)
         one, other = place.reshape(2, -1)
         histogram = self._histograms(group, asked)
-        return np.asarray(np.minimum(histogram[one], histogram[other]).sum(axis=1))
+        # Summed bin after bin: so bins that neither has cannot change how the sum is rounded.
+        return np.minimum(histogram[one], histogram[other]).cumsum(axis=1)[:, -1]
 
     def _histograms(self, group: Int32, asked: Array) -> Float64:
         """Return float64 (A, B), each row with the sum 1, or 0 where no colour is known."""
@@ -93,8 +94,8 @@ class Palette:
         cell = of_superpoint[member, None] * columns + table
         amount = self._part[member] * self._voxels[member, None]
         total = np.bincount(cell.reshape(-1), amount.reshape(-1), len(asked) * columns)
-        histogram = total.reshape(len(asked), columns)
-        return np.asarray(histogram / np.maximum(histogram.sum(axis=1, keepdims=True), 1e-9))
+        sums = np.bincount(of_superpoint[member], amount.sum(axis=1), len(asked))
+        return total.reshape(len(asked), columns) / np.maximum(sums, 1e-9)[:, None]
 
 
 def _spread(lab: Float32) -> tuple[Array, Float32]:

@@ -4,8 +4,8 @@ import numpy as np
 
 from sceneq_core.arrays import Array, Bool, Int32, Int64
 from sceneq_core.mapping.agreement import RegionViews
-from sceneq_core.mapping.evidence import NO_SEGMENT
-from sceneq_core.mapping.rows import first_of_runs, largest_of_runs, with_rows
+from sceneq_core.mapping.region_table import NO_COLUMN, RegionTable
+from sceneq_core.mapping.rows import first_of_runs, largest_of_runs, marked, sorted_keys, with_rows
 from sceneq_core.mapping.tally import Tally
 
 NO_REGION = -1
@@ -18,7 +18,7 @@ class Coverage:
 
     It has an entry only while a superpoint has evidence of the segment, so the bound of the
     evidence bounds it too. Segments are numbered from 1 in the order of the keyframes, regions
-    from 0.
+    from 0. What follows from it is worked out again only for what changed.
 
     Attributes:
         segments: one more than the largest segment number.
@@ -30,13 +30,11 @@ class Coverage:
         self._by_region = Tally()
         self._by_segment = Tally()
         self._keyframe = np.zeros(1, np.int32)
+        self._owner = np.full(1, NO_REGION, np.int32)
+        self._column = np.full(1, NO_COLUMN, np.int32)
+        self._table = RegionTable(top_views)
+        self._changed: list[Int64] = []
         self.segments = 1
-
-    def emptied(self) -> "Coverage":
-        """Return a table of the same segments in which nothing is counted."""
-        other = Coverage(self._top_views, self._min_pixels)
-        other._keyframe, other.segments = self._keyframe, self.segments
-        return other
 
     def open_segments(self, count: int, keyframe: int) -> int:
         """Give numbers to the segments of a keyframe; return the first one."""
@@ -48,7 +46,10 @@ class Coverage:
 
     def renumber(self, kept: Int64, number: Int32) -> None:
         """Keep only the segments ``kept``, sorted; ``number`` holds the new number of each old."""
+        self._follow()
         self._keyframe, self.segments = self._keyframe[kept], len(kept)
+        self._owner, self._column = self._owner[kept], self._column[kept]
+        self._table.renumber(kept, number)
         region, segment = self._by_region.key >> _SHIFT, self._by_region.key & _LOW
         self._by_region.key = region << _SHIFT | number[segment]
         segment, region = self._by_segment.key >> _SHIFT, self._by_segment.key & _LOW
@@ -56,47 +57,122 @@ class Coverage:
 
     def add(self, region: Array, segment: Int32, pixels: Int64) -> None:
         """Count pixels, negative ones to take them away; region -1 counts nothing."""
-        known = region != NO_REGION
-        region, pixels = region[known].astype(np.int64), pixels[known]
-        segment = segment[known].astype(np.int64)
-        self._by_region.add(region << _SHIFT | segment, pixels)
+        known = np.flatnonzero(region != NO_REGION)
+        region, pixels = region.take(known).astype(np.int64), pixels.take(known)
+        segment = segment.take(known).astype(np.int64)
+        key = region << _SHIFT | segment
+        self._by_region.add(key, pixels)
         self._by_segment.add(segment << _SHIFT | region, pixels)
+        self._changed.append(sorted_keys(key))
 
     def owners(self) -> Int32:
         """Return per segment number the region that covers most of it, or ``NO_REGION``."""
-        segment, region = self._by_segment.key >> _SHIFT, self._by_segment.key & _LOW
-        row = largest_of_runs(segment, self._by_segment.total)
-        owner = np.full(self.segments, NO_REGION, np.int32)
-        owner[segment[row]] = region[row]
-        return owner
+        self._follow()
+        return self._owner
 
     def region_views(self, regions: int) -> RegionViews:
         """Return the dominant segments of regions 0 to ``regions`` - 1 in their top views.
 
         A keyframe is a view of a region from ``min_pixels`` on; the ``top_views`` most visible
-        ones are kept, later ones first among equals.
+        ones are kept, later ones first among equals. It holds until something is added.
         """
-        region, segment = self._by_region.key >> _SHIFT, self._by_region.key & _LOW
-        keyframes, view = np.unique(self._keyframe[segment], return_inverse=True)
-        cell = region * len(keyframes) + view
-        row = largest_of_runs(cell, self._by_region.total)
-        pixels = _sums_of_runs(cell, self._by_region.total)
+        self._follow()
+        column = np.where(self._owner == NO_REGION, NO_COLUMN, self._column)
+        return self._table.views(regions, column)
+
+    def views_of(self, region: Int64, segment: Int32, pixels: Int64, regions: int) -> RegionViews:
+        """Return the same of other regions, 0 to ``regions`` - 1, which cover these pixels."""
+        alone = Tally()
+        alone.add(region << _SHIFT | segment, pixels)
+        covered = alone.key & _LOW
+        keyframe, place = np.unique(self._keyframe[covered], return_inverse=True)
+        column = np.full(self.segments, NO_COLUMN, np.int32)
+        table = RegionTable(self._top_views)
+        column[covered] = table.take_columns(len(keyframe))[place]
+        everyone = np.arange(regions)
+        table.put(everyone, *self._dominant(alone.key, alone.total, column))
+        return table.views(regions, column)
+
+    def covering(self, segment: Bool, regions: int) -> Bool:
+        """Mark the regions (R + 1,) that cover something of marked segments (S,).
+
+        The last one is marked too: nobody knows what is seen of what is in no region (-1).
+        """
+        entry = self._by_segment.under(np.flatnonzero(segment), _SHIFT)
+        return marked(np.append(self._by_segment.key.take(entry) & _LOW, regions), regions + 1)
+
+    def decide(self) -> None:
+        """Let ``differing`` compare with what holds now."""
+        self._follow()
+        self._table.decide()
+
+    def differing(self) -> Bool:
+        """Mark the segments (S,) of regions whose view of them is another than at ``decide``."""
+        self._follow()
+        mark = np.zeros(self.segments, np.bool_)
+        region, differs = self._table.differing()
+        key = self._by_region.key.take(self._by_region.under(region, _SHIFT))
+        row, segment = np.searchsorted(region, key >> _SHIFT), key & _LOW
+        mark[segment[differs[row, self._column[segment]]]] = True
+        return mark
+
+    def _follow(self) -> None:
+        """Work out owners and views where pixels were added since the last time."""
+        if len(self._owner) < self.segments:
+            new = np.zeros(self.segments - len(self._owner), np.int32)
+            self._owner = np.concatenate((self._owner, new + np.int32(NO_REGION)))
+            self._column = np.concatenate((self._column, new + np.int32(NO_COLUMN)))
+        if self._changed:
+            key, self._changed = sorted_keys(*self._changed), []
+            segment = sorted_keys(key & _LOW)
+            self._own(segment)
+            self._open_columns(segment)
+            region = key >> _SHIFT
+            self._view(region.take(first_of_runs(region)))
+
+    def _own(self, changed: Int64) -> None:
+        """Find the owners of segments."""
+        row = self._by_segment.under(changed, _SHIFT)
+        key = self._by_segment.key.take(row)
+        segment, region = key >> _SHIFT, key & _LOW
+        largest = largest_of_runs(segment, self._by_segment.total.take(row))
+        self._owner = self._owner.copy()  # somebody may hold the owners so far
+        self._owner[changed] = NO_REGION
+        self._owner[segment[largest]] = region[largest]
+
+    def _open_columns(self, changed: Int64) -> None:
+        """Give the keyframes of segments that are owned now their columns."""
+        owned = np.flatnonzero(self._owner != NO_REGION)
+        self._column = self._table.pack(self._column[owned])[self._column]
+        owned = changed[self._owner[changed] != NO_REGION]
+        bare = owned[self._column[owned] == NO_COLUMN]
+        if len(bare):
+            keyframe = np.unique(self._keyframe[bare])
+            column = self._table.take_columns(len(keyframe))
+            of_segment = self._keyframe[: self.segments]
+            place = np.searchsorted(keyframe, of_segment).clip(max=len(keyframe) - 1)
+            same = np.flatnonzero(keyframe[place] == of_segment)
+            self._column[same] = column[place[same]]
+
+    def _view(self, changed: Int64) -> None:
+        """Find the dominant segments of regions."""
+        entry = self._by_region.under(changed, _SHIFT)
+        key, total = self._by_region.key.take(entry), self._by_region.total.take(entry)
+        self._table.remember(changed)
+        self._table.put(changed, *self._dominant(key, total, self._column))
+
+    def _dominant(self, key: Int64, total: Int64, column: Int32) -> tuple[Int64, Int32, Int32]:
+        """Return region, column and segment of the top views of regions, parallel and sorted.
+
+        ``key`` int64 (N,) are packed regions and segments, sorted, with ``total`` pixels each.
+        """
+        region, segment = key >> _SHIFT, key & _LOW
+        of_key = column.take(segment)
+        cell = region << _SHIFT | of_key
+        row, pixels = largest_of_runs(cell, total), _sums_of_runs(cell, total)
         row, pixels = row[pixels >= self._min_pixels], pixels[pixels >= self._min_pixels]
         row = row[_top_of_runs(region[row], pixels, self._top_views)]
-        # The last row and column stay empty: for region -1, and for segments of no region.
-        table = np.full((regions + 1, len(keyframes) + 1), NO_SEGMENT, np.int32)
-        table[region[row], view[row]] = segment[row]
-        column = np.full(self.segments, len(keyframes), np.int32)
-        column[segment] = view
-        return RegionViews(table, column)
-
-    def differing(self, views: RegionViews, other: RegionViews) -> Bool:
-        """Mark the segments (S,) of regions whose view of them is not the same in both tables."""
-        region, segment = self._by_region.key >> _SHIFT, self._by_region.key & _LOW
-        mark = np.zeros(self.segments, np.bool_)
-        differs = views.dominant(region, segment) != other.dominant(region, segment)
-        mark[segment[differs]] = True
-        return mark
+        return region[row], of_key[row], segment[row].astype(np.int32)
 
 
 def _sums_of_runs(key: Int64, size: Int64) -> Int64:

@@ -34,7 +34,7 @@ def detached_parts(
     former, latest = (pair >> 32).astype(np.int32), pair & ((1 << 32) - 1)
     size = np.bincount(part, pixels, len(pair))
     part_views = _views_of_parts(superpoint_id, part, evidence, coverage, len(pair))
-    same, common = views.compare_segments(part_views.segment[:-1], former)
+    same, common = views.compare_segments(part_views.top[:-1], former)
     extra, grouped = params.kinship_views, former != NO_REGION
     may_leave = (latest != NO_SEGMENT) & (size >= params.min_pixels)
     # Kinship is looked up only where it can tip the balance.
@@ -55,9 +55,7 @@ def _views_of_parts(
     superpoint_id: Int32, part: Int64, evidence: Evidence, coverage: Coverage, parts: int
 ) -> RegionViews:
     entries = evidence.entries(superpoint_id)
-    alone = coverage.emptied()
-    alone.add(part[entries.row], entries.segment, entries.pixels)
-    return alone.region_views(parts)
+    return coverage.views_of(part[entries.row], entries.segment, entries.pixels, parts)
 
 
 def _disagree(segment: Int32, region: Int32, views: RegionViews, params: AssociationParams) -> Bool:

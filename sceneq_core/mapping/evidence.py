@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sceneq_core.arrays import Array, Bool, Int32, Int64
-from sceneq_core.mapping.rows import distinct, with_rows
+from sceneq_core.mapping.rows import with_rows
 
 NO_SEGMENT = 0
 
@@ -78,10 +78,12 @@ class Evidence:
         """Return the segments int32 (N, views) of rows, ``NO_SEGMENT`` where there is no view."""
         return self._segment.take(row, axis=0)
 
-    def showing(self, segment: Bool, count: int) -> Int32:
-        """Return the rows below ``count``, sorted, with a view of a marked ``segment`` (S,)."""
-        entry = np.flatnonzero(segment.take(self._segment[:count]))
-        return distinct(entry // self._views, count)
+    def showing(self, segment: Bool, among: Bool) -> Int32:
+        """Return those of the marked rows (N,), sorted, with a view of a marked segment (S,)."""
+        known = self._recorded[: len(among)] > 0
+        row = np.flatnonzero(known & among[: len(known)])
+        seen = segment.take(self._segment.take(row, axis=0))
+        return row.compress(seen.any(axis=1)).astype(np.int32)
 
     def latest(self, row: Int32) -> tuple[Int32, Int64]:
         """Return segment int32 (N,) and pixels int64 (N,) of the latest view of rows."""

@@ -7,14 +7,19 @@ from sceneq_core.mapping.agreement import RegionViews, expected_agreement
 from sceneq_core.mapping.association_params import AssociationParams
 from sceneq_core.mapping.borders import Borders
 from sceneq_core.mapping.evidence import NO_SEGMENT
+from sceneq_core.mapping.kinships import Kinships
+from sceneq_core.mapping.rows import sorted_keys
 
 Pairs = tuple[tuple[int, int], ...]
+_SHIFT = 32
+_LOW = (1 << _SHIFT) - 1
 
 
 def merging_pairs(
     views: RegionViews,
     in_view: Bool,
     borders: Borders,
+    kinships: Kinships,
     params: AssociationParams,
 ) -> Pairs:
     """Return disjoint pairs of regions that agree by more than ``tau_merge``, the best first.
@@ -23,14 +28,14 @@ def merging_pairs(
     view there is nothing to wait for: what they look like counts as ``kinship_views`` more views,
     of which the kinship, 0 to 1, is the share that shows them as one.
     """
-    first, second = _candidates(views, in_view, borders)
+    first, second = _candidates(views, kinships.meeting(borders, in_view))
     same, common = views.compare(first, second)
     score = expected_agreement(same, common)
     score[common < params.min_common_views] = 0.0
     extra = params.kinship_views
     best = expected_agreement(same + extra, common + extra)
     left = np.flatnonzero(~in_view[first] & ~in_view[second] & (best > params.tau_merge))
-    alike = extra * borders.kinship(first[left], second[left])
+    alike = extra * kinships.of(borders, first[left], second[left])
     score[left] = expected_agreement(same[left] + alike, common[left] + extra)
     good = np.flatnonzero(score > params.tau_merge)
     order = good[np.lexsort((second[good], first[good], -score[good]))]
@@ -54,24 +59,20 @@ def united(pairs: Pairs, size: Int64) -> tuple[Pairs, Int32]:
     return merged, into
 
 
-def _candidates(views: RegionViews, in_view: Bool, borders: Borders) -> tuple[Int64, Int64]:
-    """Return the pairs of regions that a segment shows, or that touch and are out of view."""
-    shared, meeting = _sharing(views), borders.meeting()
-    out = ~in_view[meeting[0]] & ~in_view[meeting[1]]
-    pair = np.union1d(shared[0] << 32 | shared[1], meeting[0][out] << 32 | meeting[1][out])
-    return pair >> 32, pair & ((1 << 32) - 1)
+def _candidates(views: RegionViews, meeting: Int64) -> tuple[Int64, Int64]:
+    """Return the pairs of regions that a segment shows, or that meet out of view."""
+    pair = sorted_keys(_sharing(views), meeting)
+    return pair >> _SHIFT, pair & _LOW
 
 
-def _sharing(views: RegionViews) -> tuple[Int64, Int64]:
-    """Return the pairs of regions that have a dominant segment in common in any view."""
-    region, column = np.nonzero(views.segment != NO_SEGMENT)
-    segment = views.segment[region, column]
-    order = np.lexsort((region, segment))
-    region, segment = region[order], segment[order]
+def _sharing(views: RegionViews) -> Int64:
+    """Return the pairs of regions that have a dominant segment in common in any view, packed."""
+    region, place = np.nonzero(views.top != NO_SEGMENT)
+    key = np.sort(views.top[region, place].astype(np.int64) << _SHIFT | region)
+    segment, region = key >> _SHIFT, key & _LOW
     pairs = []
     step = 1
     while (equal := segment[step:] == segment[:-step]).any():
-        pairs.append((region[:-step][equal] << 32) | region[step:][equal])
+        pairs.append((region[:-step][equal] << _SHIFT) | region[step:][equal])
         step += 1
-    pair = np.unique(np.concatenate(pairs)) if pairs else np.zeros(0, np.int64)
-    return pair >> 32, pair & ((1 << 32) - 1)
+    return sorted_keys(np.zeros(0, np.int64), *pairs)

@@ -40,6 +40,12 @@ def distinct(row_id: Array, count: int) -> Int32:
     return np.flatnonzero(marked(row_id, count)).astype(np.int32)
 
 
+def sorted_keys(*keys: Array) -> Array:
+    """Return the distinct numbers of all ``keys``, sorted: what ``np.unique`` does by a hash."""
+    key = np.sort(np.concatenate(keys) if len(keys) > 1 else keys[0])
+    return key.take(first_of_runs(key))
+
+
 def stable_order(row_id: Int32) -> Int64:
     """Return the rows sorted by their ids, all of them 0 or more, equal ones as they came.
 

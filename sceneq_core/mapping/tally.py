@@ -3,6 +3,7 @@
 import numpy as np
 
 from sceneq_core.arrays import Bool, Int64
+from sceneq_core.mapping.rows import first_of_runs
 
 
 class Tally:
@@ -19,11 +20,11 @@ class Tally:
 
     def add(self, key: Int64, amount: Int64) -> None:
         """Add amounts, which may be negative; a key may occur more than once."""
-        order = np.argsort(key, kind="stable")
-        key, amount = key[order], amount[order]
-        start = np.flatnonzero(np.append(True, key[1:] != key[:-1])[: len(key)])
+        order = np.argsort(key)
+        key, amount = key.take(order), amount.take(order)
+        start = first_of_runs(key)
         if len(start):
-            self._add_distinct(key[start], np.add.reduceat(amount, start))
+            self._add_distinct(key.take(start), np.add.reduceat(amount, start))
 
     def under(self, prefix: Int64, bits: int) -> Int64:
         """Return the rows, sorted, of the keys that are one of ``prefix``, sorted, above ``bits``.
@@ -34,17 +35,32 @@ class Tally:
         length = end - start
         return np.arange(length.sum()) + np.repeat(end - np.cumsum(length), length)
 
-    def drop(self, row: Bool) -> None:
-        """Forget the keys in marked rows (N,)."""
-        self.key, self.total = self.key[~row], self.total[~row]
+    def drop_pairs(self, prefix: Int64, bits: int) -> None:
+        """Forget what is under one of ``prefix``, sorted: pairs that are here both ways round."""
+        row = self.under(prefix, bits)
+        pair = self.key.take(row)
+        turned = (pair & ((1 << bits) - 1)) << bits | pair >> bits
+        gone = np.concatenate((row, np.searchsorted(self.key, turned)))
+        if len(gone):
+            self.key, self.total = np.delete(self.key, gone), np.delete(self.total, gone)
 
     def _add_distinct(self, key: Int64, amount: Int64) -> None:
+        key, amount = key.compress(amount != 0), amount.compress(amount != 0)
+        known, row = self._find(key)
+        self.total[row] += amount.compress(known)
+        gone = row.compress(self.total.take(row) == 0)
+        if len(gone):
+            self.key, self.total = np.delete(self.key, gone), np.delete(self.total, gone)
+        if len(row) < len(key):
+            key, amount = key.compress(~known), amount.compress(~known)
+            place = np.searchsorted(self.key, key)
+            self.key = np.insert(self.key, place, key)
+            self.total = np.insert(self.total, place, amount)
+
+    def _find(self, key: Int64) -> tuple[Bool, Int64]:
+        """Return which keys (K,) are here, and the rows of those."""
         place = np.searchsorted(self.key, key)
-        known = np.append(self.key, -1)[place] == key
-        self.total[place[known]] += amount[known]
-        new = ~known
-        self.key = np.insert(self.key, place[new], key[new])
-        self.total = np.insert(self.total, place[new], amount[new])
-        kept = self.total != 0
-        if not kept.all():
-            self.key, self.total = self.key[kept], self.total[kept]
+        known = np.zeros(len(key), np.bool_)
+        inside = np.flatnonzero(place < len(self.key))
+        known[inside] = self.key.take(place.take(inside)) == key.take(inside)
+        return known, place.compress(known)

@@ -39,8 +39,10 @@ class Atlas:
         before, self._known = self._known, {}
         for place in places:
             known = before.get(place.seq)
-            is_same = known is not None and known.place.jpeg == place.jpeg
-            self._known[place.seq] = Known(place, known.features) if is_same else self.look(place)
+            if known is not None and known.place.jpeg == place.jpeg:
+                self._known[place.seq] = Known(place, known.features)
+            else:
+                self._known[place.seq] = self.look(place)
         return _changed(before, self._known)
 
     def look(self, seen: Place) -> Known:

@@ -206,7 +206,8 @@ def _cuts(tokens: Tokens, table: Mapping[str, str]) -> Iterable[tuple[int, int, 
     while at < len(tokens):
         end = match_at(tokens, at, table)
         name = table.get(" ".join(tokens[at:end]), "")
-        if 0 < end < len(tokens) and (at or name not in words.VIEWS):
+        leads_to_anchor = 0 < end < len(tokens) and not match_at(tokens, end, words.NO_ANCHORS)
+        if leads_to_anchor and (at or name not in words.VIEWS):
             yield at, end, name
         at = max(end, at + 1)
 

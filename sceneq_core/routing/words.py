@@ -213,6 +213,12 @@ STRUCTURE = {
 }
 """Words for parts of the building -> role of the instance; all other words mean objects."""
 
+NO_ANCHORS = (
+    "for",
+    *(f"my {part}" for part in ("head", "face", "neck", "hand", "hands", "wrist", "feet", "foot")),
+)
+"""What follows a relation word that is part of a purpose: "something to wear on my feet"."""
+
 PLACES = (
     "room",
     "scene",

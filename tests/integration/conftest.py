@@ -1,14 +1,16 @@
 """One graph on a small room for all files that only look at it, and which files run together.
 
-With ``-n 2 --dist loadgroup`` a group of files runs in one process, in the order given here; every
+With ``-n 2 --dist loadfile`` a group of files runs in one process, in the order given here; every
 other file is a group of its own. Those that take longest begin first.
 """
 
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+from xdist.scheduler import LoadScopeScheduling
 
 from support.shared_room import SharedRoom, settled_room
 
@@ -21,13 +23,23 @@ LONG = (
     *("test_chaos", "test_documents", "test_partitions", "test_recording", "test_demo"),
     *("test_teach", "test_live_sim", "test_eval_answers", "test_bench", "test_ros"),
 )
-
 GROUPS = dict.fromkeys(SHARE, "room") | dict.fromkeys(DEMOS, "demo")
-SLOW_S = 400
+SLOW_S = 600
 """A machine may be slow, or have others at work: that is no failure."""
 
 
-@pytest.hookimpl(tryfirst=True)
+class Groups(LoadScopeScheduling):
+    """Gives files to processes, those of a group to one."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        name = Path(nodeid.partition("::")[0]).stem
+        return GROUPS.get(name, name)
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Groups | None:
+    return Groups(config, log) if config.getvalue("dist") == "loadfile" else None
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     places = {name: number for number, name in enumerate((*SHARE, *LONG))}
 
@@ -35,10 +47,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         return places.get(item.path.stem, len(places)) if item.path.parent == HERE else 0
 
     for item in items:
-        if item.path.parent == HERE:
-            item.add_marker(pytest.mark.xdist_group(GROUPS.get(item.path.stem, item.path.stem)))
-            if item.get_closest_marker("timeout") is None:
-                item.add_marker(pytest.mark.timeout(SLOW_S))
+        if item.path.parent == HERE and item.get_closest_marker("timeout") is None:
+            item.add_marker(pytest.mark.timeout(SLOW_S))
     items.sort(key=place)
 
 

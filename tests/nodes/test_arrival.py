@@ -5,7 +5,7 @@ import pytest
 
 from sceneq_core.ingest.transforms import angle_deg, distance_m, inverse
 from sceneq_core.visits import seq_of, visit_of
-from sceneq_nodes._held_frames import held_files, read_waiting
+from sceneq_nodes._held_files import held_files, read_waiting
 
 from support.kept_scene import KeptScene, surface_error_m
 from support.papered_recording import write_walk

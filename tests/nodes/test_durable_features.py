@@ -127,3 +127,27 @@ def test_a_damaged_piece_costs_no_more_than_making_it_again(tmp_path, kind):
     assert graph.bus.counters["store_damaged"] >= 1
     assert graph.descriptors() == {}
     assert graph.hear(delta(2, *sets, full=True)).descriptors() == before
+
+
+@pytest.mark.parametrize("missing", ["epoch", "latest", "map_epoch", "view_epoch"])
+def test_what_another_version_kept_is_set_aside(tmp_path, caplog, missing):
+    one = view_set(1, 10)
+    graph = Graph(tmp_path / "kept").hear(delta(1, one, full=True))
+    before, beside = graph.descriptors(), graph.node._beside()
+    del beside[missing]
+    graph.node._store.note(beside)
+    graph.kill()
+    graph.start()
+    assert f"kept by another version: without {missing}; set aside as" in caplog.text
+    assert graph.bus.counters["store_damaged"] == 1
+    assert graph.descriptors() == {}
+    assert graph.hear(delta(2, one, full=True)).descriptors() == before
+
+
+def test_descriptors_of_an_earlier_form_are_set_aside(tmp_path, caplog, monkeypatch):
+    graph = Graph(tmp_path / "kept").hear(delta(1, view_set(1, 10), full=True))
+    graph.kill()
+    monkeypatch.setattr("sceneq_nodes._feature_store.FORM", 2)
+    graph.start()
+    assert "items of form 1, this version reads 2; set aside as" in caplog.text
+    assert graph.descriptors() == {}

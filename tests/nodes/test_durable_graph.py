@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sceneq_nodes._bus import Reply, Request
@@ -10,8 +11,17 @@ from sceneq_nodes._images import frame_message
 from sceneq_nodes._wire import from_bytes
 from sceneq_nodes.views import Views, ViewsParams
 from sceneq_schemas.codec import encode
+from sceneq_schemas.correction import PoseCorrection
 from sceneq_schemas.mask import Masks
-from sceneq_schemas.topics import FRAME, MAP_DELTA, MAP_JOURNAL, MAP_SNAPSHOT, MASK, VIEW_SNAPSHOT
+from sceneq_schemas.topics import (
+    FRAME,
+    MAP_DELTA,
+    MAP_JOURNAL,
+    MAP_SNAPSHOT,
+    MASK,
+    POSE_CORRECTION,
+    VIEW_SNAPSHOT,
+)
 
 from support.durable_map import EVERY_TIME, VIEWS, DurableMap
 from support.fake_bus import CONTEXT, FakeBus
@@ -98,6 +108,28 @@ def test_views_are_chosen_as_if_nothing_was_after_many_ends(undisturbed, tmp_pat
         graph.start()
     graph.play(*range(6)).hear()
     assert graph.view_sets() == undisturbed.view_sets()
+
+
+def test_a_map_that_moves_as_a_whole_is_taken_over_in_its_turn(tmp_path):
+    """A correction tells all of the map: the keyframes before it are looked at before."""
+
+    def corrected(graph: DurableGraph) -> None:
+        pose = VIEWS[0][0].T_world_camera.copy()
+        pose[0, 3] += 0.1
+        message = PoseCorrection(1, 1, True, 2, 2, np.array([0]), pose[None])
+        graph.map.bus.deliver(graph.map.node, POSE_CORRECTION, message)
+
+    whole = DurableGraph(None).play(0, 1, 2).hear()
+    corrected(whole)
+    whole.hear().play(3).hear()
+    graph = DurableGraph(tmp_path).play(0).hear().play(1, 2)
+    corrected(graph)
+    graph.play(3).kill()
+    graph.start()
+    corrected(graph.play(0, 1, 2))
+    graph.play(3).hear()
+    assert graph.view_sets() == whole.view_sets()
+    assert graph.map.digest() == whole.map.digest()
 
 
 def test_keyframes_of_long_ago_are_not_looked_at_again(undisturbed, tmp_path, monkeypatch):

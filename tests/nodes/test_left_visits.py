@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from sceneq_core.ingest.transforms import angle_deg, distance_m, inverse
 from sceneq_core.visits import seq_of, visit_of
-from sceneq_nodes._held_frames import held_files, read_waiting
+from sceneq_nodes._held_files import held_files, read_waiting
 from sceneq_nodes._scene_folder import SceneFolder
 from sceneq_tools.scene_command import app
 
@@ -56,7 +56,8 @@ def test_it_waits_and_is_placed_when_another_comes_by(left, recordings, tmp_path
     store = shutil.copytree(left, tmp_path / "maps")
     assert "1 visit not placed, 4 keyframes" in said(store, "info", "room")
     kept = KeptScene(store / "room", recordings["first"])
-    name = kept.come(recordings["round"], quiet_s=0.0, share=1.0, start="same_frame")
+    fast = {"quiet_s": 0.0, "share": 1.0, "release_hz": 100.0}
+    name = kept.come(recordings["round"], rate_hz=100.0, start="same_frame", **fast)
     kept.play(name)
     while kept.hub.reported[name]["unplaced"]:
         kept.hub.idle(name)

@@ -1,5 +1,6 @@
 """Corrections of poses, from ingest or anybody else, on their way into map and views."""
 
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +18,8 @@ from sceneq_nodes.mapping import Mapping, MappingParams
 from sceneq_nodes.views import Views, ViewsParams
 from sceneq_schemas.correction import PoseCorrection
 from sceneq_schemas.mask import Masks
-from sceneq_schemas.topics import FRAME, MAP_DELTA, MAP_SNAPSHOT, MASK, POSE_CORRECTION
+from sceneq_schemas.topics import FRAME, MAP_DELTA, MAP_SNAPSHOT, MASK, POSE_CORRECTION, VIEW_DELTA
+from sceneq_schemas.view import ViewDelta
 
 from support.fake_bus import CONTEXT, FakeBus, FakeHub
 from support.room import Room
@@ -182,6 +184,26 @@ def test_ingest_tells_corrections_before_the_keyframe(
     order = [(p.topic.name, p.message.seq) for p in bus.published if p.topic.name != "pose"]
     assert order == [("frame", 0), ("frame", 1), ("correction", 1), ("frame", 2)]
     assert bus.counters["corrections"] == 1
+
+
+def test_a_keyframe_that_comes_again_brings_its_correction(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Mapping may have been dead when both were told; who had heard it knows it by its content."""
+    monkeypatch.setattr("sceneq_nodes._ingesting.Ingestor", Told)
+    source = {"kind": "folder", "path": str(write_folder(tmp_path / "shelf", [0, 1, 2]))}
+    every = {"kind": "every", "every": 1}
+    bus = FakeBus()
+    node = Ingest(IngestParams(source, keyframes=every, wait_for=()), CONTEXT)
+    node.open(bus)
+    for seq in (0, 1):
+        node.step(None)
+        bus.deliver(node, VIEW_DELTA, ViewDelta(1, seq + 1, False, seq, 0, 1, 1, ()))
+    node.step(None)
+    node._resend(time.monotonic() + 10.0)
+    order = [(p.topic.name, p.message.seq) for p in bus.published if p.topic.name != "pose"]
+    assert order[-4:] == [("correction", 1), ("frame", 2)] * 2
+    assert bus.counters["frames_resent"] == 1
 
 
 def test_a_lost_camera_is_counted(tmp_path: Path, caplog: pytest.LogCaptureFixture):

@@ -462,6 +462,18 @@ def test_ingest_plays_a_robot_as_it_comes():
     assert "frames_late" not in bus.counters
 
 
+def test_the_last_frame_of_a_robot_that_falls_silent_comes():
+    live = Live()
+    live.infos()
+    assert len(play(live, 3, apart_ns=-3_000_000)) == 2  # a nearer depth might come for the third
+    live.now_s += 0.5
+    assert live.frames() == []
+    live.now_s += 0.6
+    (last,) = live.frames()
+    assert last.stamp_ns == list(stamps_ns(3))[-1]
+    assert live.frames() == []
+
+
 def test_behind_access_rules_silence_may_be_a_denial(monkeypatch):
     from sceneq_nodes.ros import source as source_module
 

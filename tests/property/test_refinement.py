@@ -119,7 +119,8 @@ def test_the_table_of_covered_pixels_is_the_sum_of_the_evidence(seed):
     association = film.association
     everyone = np.arange(SUPERPOINTS, dtype=np.int32)
     entries = association._evidence.entries(everyone)
-    summed = association._coverage.emptied()
+    summed = Coverage(top_views=1, min_pixels=1)
+    summed.open_segments(association._coverage.segments - 1, keyframe=0)
     summed.add(association.of(everyone)[entries.row], entries.segment, entries.pixels)
     assert_equal_coverage(association._coverage, summed)
 

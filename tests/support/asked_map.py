@@ -1,6 +1,7 @@
 """A source played through all nodes of a graph in one process, and a question about the map."""
 
 import json
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,8 @@ from sceneq_tools.graph import Override, load
 from sceneq_tools.graph_check import check_nodes
 from sceneq_tools.graph_plan import plan
 from sceneq_tools.playing import FRAMES
+
+PATIENCE_S = 90.0
 
 
 def live_batch(graph: Path, spec: dict[str, Any]) -> Batch:
@@ -29,10 +32,12 @@ def live_batch(graph: Path, spec: dict[str, Any]) -> Batch:
 
 def play_live(batch: Batch, frames: int, more: Callable[[], None] = lambda: None) -> None:
     """Play so many frames of a source that never ends; ``more`` makes a camera go on."""
+    deadline_s = time.monotonic() + PATIENCE_S
     for stage in batch.stages():
         for done in stage.steps:
             if stage.name == FRAMES and done >= frames:
                 break
+            assert time.monotonic() < deadline_s, f"{stage.name}: {done} of {frames} came"
             more()
 
 

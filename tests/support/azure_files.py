@@ -64,7 +64,7 @@ def write_azure(
             rgb, depth_mm = shown(number)
             jpeg = cv2.imencode(".jpg", rgb[..., ::-1])[1].tobytes()
             depth = depth_mm.astype(">u2").tobytes()
-            for name, image, late in (("COLOR", jpeg, 0), ("DEPTH", depth, 4)):
+            for name, image, late in (("DEPTH", depth, 0), ("COLOR", jpeg, 4)):
                 packet = av.Packet(image)
                 packet.stream = tracks[name]
                 packet.time_base = Fraction(1, 1000)

@@ -97,15 +97,18 @@ class RosMaker:
 
 
 def story(
-    ros: RosMaker, count: int, poses: str = "tf", packed: bool = False
+    ros: RosMaker, count: int, poses: str = "tf", packed: bool = False, late_ns: int = 0
 ) -> Iterator[tuple[str, int, Any]]:
-    """Yield topic, time and message; tf of a frame comes after its images, static tf at last."""
+    """Yield topic, time and message; tf of a frame comes after its images, static tf at last.
+
+    ``late_ns``: how much later than colour depth was taken.
+    """
     suffix = "/compressed" if packed else ""
     for number in range(count):
         at_ns = START_NS + STEP_NS * number
         rgb = ros.jpeg(at_ns, color(number)) if packed else ros.image(at_ns, "rgb8", color(number))
         yield COLOUR + suffix, at_ns, rgb
-        yield DEPTH, at_ns + 1, ros.image(at_ns, "16UC1", units(number, 1000))
+        yield DEPTH, at_ns + 1, ros.image(at_ns + late_ns, "16UC1", units(number, 1000))
         for topic in (COLOUR, DEPTH):
             info = topic.replace("image_raw", "camera_info")
             yield info, at_ns + 2, ros.camera_info(at_ns)

@@ -1,5 +1,8 @@
 """What our command line makes of words, without doing anything."""
 
+from functools import cache
+from typing import Any
+
 import typer
 import typer.main
 
@@ -11,9 +14,14 @@ UNFINISHED = ("MissingParameter", "NoArgsIsHelpError")
 
 def parsed(words: list[str]) -> dict[str, object]:
     """Return the parameters that ``sceneq WORDS`` has; raise what typer raises at a wrong word."""
-    command, name = typer.main.get_command(app), "sceneq"
+    return _parsed(tuple(words))
+
+
+@cache
+def _parsed(given: tuple[str, ...]) -> dict[str, object]:
+    command, name = _root(), "sceneq"
     context = None
-    words = [word for word in words if word != "--help"]
+    words = [word for word in given if word != "--help"]
     while True:
         try:
             context = command.make_context(name, list(words), parent=context)
@@ -27,3 +35,8 @@ def parsed(words: list[str]) -> dict[str, object]:
         if not rest:
             return {}
         name, command, words = command.resolve_command(context, rest)
+
+
+@cache
+def _root() -> Any:
+    return typer.main.get_command(app)

@@ -43,11 +43,15 @@ ROWS = (
     Row(r"sceneq up --without ingest", Way.STORY, "running_graph"),
     Row(r"sceneq replay run.mcap", Way.STORY, "running_graph"),
     Row(r"sceneq import SOURCE run.mcap", Way.STORY, "running_graph"),
+    Row(
+        r"sceneq secure (init site --graph|issue site ros)", Way.ELSEWHERE, "unit/test_security.py"
+    ),
     Row(r"sceneq (secure|up --secure)", Way.STORY, "secured"),
     Row(r"SCENEQ_CREDENTIALS=", Way.STORY, "secured"),
     Row(r"zenoh .*--connect tls/", Way.STORY, "secured"),
     Row(r"sceneq up --source ros2:/camera/color", Way.STORY, "robot"),
     Row(r"python docs/examples/play_as_robot.py", Way.STORY, "robot"),
+    Row(r"sceneq scene (drop|list --store store)", Way.ELSEWHERE, "nodes/test_left_visits.py"),
     Row(r"sceneq scene merge|sceneq scene info house", Way.ELSEWHERE, "unit/test_scene_merge.py"),
     Row(r"sceneq (up|check|render) graph.yaml", Way.STORY, "machines"),
     Row(r"sceneq (status --watch|metrics --serve)", Way.STORY, "running_graph"),

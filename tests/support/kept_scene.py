@@ -44,11 +44,12 @@ class KeptScene:
         self.hub.add(node, context)
         return node
 
-    def come(self, recording: Path, robot: str | None = None, **arrival) -> str:
-        """Start a robot's ingest; return its name."""
+    def come(self, recording: Path, robot: str | None = None, rate_hz=None, **arrival) -> str:
+        """Start a robot's ingest, by default without loss; return its name."""
         name = f"ingest-{robot or 'r1'}"
         params = IngestParams(
             {"kind": "folder", "path": str(recording)},
+            rate_hz=rate_hz,
             keyframes=KEYFRAMES,
             arrival=ArrivalParams(look_again_s=0.0, **arrival),
             robot=robot,

@@ -8,13 +8,18 @@ import numpy as np
 from support.papered_room import PaperedRoom
 
 
-def write_walk(folder: Path, room: PaperedRoom, turns_deg, T_odom_world=None) -> Path:
-    """Write a frame for every turn, with masks and poses; return ``folder``."""
+def write_walk(
+    folder: Path, room: PaperedRoom, turns_deg, T_odom_world=None, first: int = 0
+) -> Path:
+    """Write a frame for every turn, the first one number ``first``, with masks and poses.
+
+    Returns ``folder``.
+    """
     T_odom_world = np.eye(4) if T_odom_world is None else T_odom_world
     folder.mkdir(parents=True, exist_ok=True)
     np.savetxt(folder / "camera-intrinsics.txt", room.K)
-    np.savetxt(folder / "stamps.txt", np.arange(len(turns_deg), dtype=float))
-    for i, turn in enumerate(turns_deg):
+    np.savetxt(folder / "stamps.txt", np.arange(first, first + len(turns_deg), dtype=float))
+    for i, turn in enumerate(turns_deg, first):
         frame, labels = room.seen(i, turn, *_step_aside(turn))
         stem = str(folder / f"frame-{i:06d}")
         cv2.imwrite(f"{stem}.color.png", frame.rgb[..., ::-1])

@@ -83,12 +83,15 @@ def folder(path: Path) -> Path:
 def seven_scenes(path: Path) -> Path:
     """Write a sequence as it is published: 640x480 of a Kinect, and no file about its cameras."""
     path.mkdir()
+    small = np.diag([0.5, 0.5, 1.0])
     for number in range(FRAMES):
         stem, T_world_camera = f"{path}/frame-{number:06d}", shot(number)[2]
-        rgb, _ = seen(KINECT_COLOR, KINECT_SIZE, T_world_camera)
-        _, depth_mm = seen(KINECT_DEPTH, KINECT_SIZE, T_world_camera)
-        cv2.imwrite(f"{stem}.color.png", rgb[..., ::-1])
-        cv2.imwrite(f"{stem}.depth.png", np.where(depth_mm == 0, 65535, depth_mm))
+        rgb, _ = seen(small @ KINECT_COLOR, (320, 240), T_world_camera)
+        _, depth_mm = seen(small @ KINECT_DEPTH, (320, 240), T_world_camera)
+        depth_mm[depth_mm == 0] = 65535
+        for part, image in (("color", rgb[..., ::-1]), ("depth", depth_mm)):
+            large = cv2.resize(image, KINECT_SIZE, interpolation=cv2.INTER_NEAREST)
+            cv2.imwrite(f"{stem}.{part}.png", large)
         np.savetxt(f"{stem}.pose.txt", T_world_camera)
     return path
 

@@ -1,6 +1,6 @@
 """Questions for what is not in a room."""
 
-from sceneq_tools.evaluation.absent_names import absent_names
+from sceneq_tools.evaluation.absent_names import absent_names, absent_purposes
 from sceneq_tools.evaluation.true_things import TrueThing
 
 from support.furnished import ROOM, router
@@ -41,3 +41,13 @@ def test_many_of_them_are_spread_over_the_label_set():
     assert len(some) == 5
     assert (some[0], some[-1]) == (everything[0], everything[-1])
     assert everything.index(some[2]) == (len(everything) - 1) // 2
+
+
+def test_a_purpose_that_something_serves_is_not_asked_for_in_vain():
+    sofa = TrueThing(99, "sofa", ("sofa",), False, 0, ("sit", "lie down"))
+    mug = TrueThing(98, "mug", ("mug",), False, 0, ("drink from",))
+    texts = [query.text for query in absent_purposes((sofa, mug))]
+    assert "something to read" in texts
+    assert {"somewhere to sit down", "something to drink from"}.isdisjoint(texts)
+    assert all(not query.targets for query in absent_purposes((sofa, mug)))
+    assert absent_purposes(THINGS) == ()  # nobody says what they are good for

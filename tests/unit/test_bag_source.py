@@ -57,6 +57,18 @@ def test_a_bag_without_poses_says_so(tmp_path: Path) -> None:
     assert not source(write("folder", tmp_path), use_poses=False).has_poses
 
 
+@pytest.mark.parametrize("late_ns", [-5_000_000, 5_000_000])
+def test_the_last_frame_is_played_whichever_image_is_first(late_ns: int, tmp_path: Path) -> None:
+    path = write("folder", tmp_path, poses="none", late_ns=late_ns)
+    assert [int(f.read_rgb()[0, 0, 0]) for f in source(path).frames()] == [0, 1, 2, 3, 4]
+
+
+def test_images_that_wait_for_a_pose_at_the_end_are_counted(tmp_path: Path) -> None:
+    played = source(write("folder", tmp_path, late_ns=5_000_000))
+    assert len(list(played.frames())) == 4  # nobody says where the camera was after the last tf
+    assert played._troubles.counts["no_pose"] == 1
+
+
 def test_seek_step_and_loop(tmp_path: Path) -> None:
     path = write("folder", tmp_path)
     late = [f.stamp_ns for f in source(path, start_s=0.25).frames()]

@@ -43,6 +43,16 @@ def test_a_thing_that_is_there_is_found_and_one_that_is_not_is_not():
     assert len(aquarium.answer.matches) == len(SURE)  # still there to see
 
 
+def test_words_that_describe_have_a_none_of_them_of_their_own():
+    params = RouterParams(null=NULL, null_described=replace(NULL, name=0.2, bias=1.0))
+    both = router(params)
+    vague, name = (route(text, both).answer for text in ("something to drink from", "aquarium"))
+    assert route("something to drink from").answer.status == "not_found"
+    assert (vague.status, name.status) == ("ambiguous", "not_found")
+    assert vague.confidence.p_null < 0.4
+    assert name == route("aquarium").answer
+
+
 def test_which_of_several_is_asked_back():
     answer = route("chair").answer
     assert answer.status == "ambiguous"

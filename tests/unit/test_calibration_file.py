@@ -18,7 +18,8 @@ from support.furnished import WordEncoder, snapshot
 
 GATE = GateParams(min_p=0.4, min_margin=0.1, max_entropy_norm=0.6, clear_margin=0.3)
 NULL = NullParams(temperature=0.05, name=1.0, said=0.5, standing=2.0, bias=-3.0)
-CALIBRATION = Calibration("words", 0.07, GATE, NULL, "scannet200", ("a" * 64,))
+DESCRIBED = NullParams(temperature=0.1, name=0.2, said=0.0, standing=0.5, bias=1.0)
+CALIBRATION = Calibration("words", 0.07, GATE, NULL, "scannet200", ("a" * 64,), DESCRIBED)
 
 
 @pytest.fixture(autouse=True)
@@ -35,7 +36,7 @@ def write(folder: Path, document: object) -> Path:
 def test_what_is_written_is_read_again(tmp_path):
     document = {**CALIBRATION.as_dict(), "date": "today", "recordings": ["room"]}
     assert read_calibration(write(tmp_path, document)) == CALIBRATION
-    nothing_absent = replace(CALIBRATION, null=None)
+    nothing_absent = replace(CALIBRATION, null=None, null_described=None)
     assert read_calibration(write(tmp_path, nothing_absent.as_dict())) == nothing_absent
 
 
@@ -43,19 +44,28 @@ def test_the_name_tells_the_encoder_and_changes_with_every_number():
     others = (
         replace(CALIBRATION, temperature=0.08),
         replace(CALIBRATION, null=None),
+        replace(CALIBRATION, null_described=None),
         replace(CALIBRATION, gate=GateParams()),
         replace(CALIBRATION, sha256=("b" * 64,)),
     )
     names = {one.name for one in (CALIBRATION, *others)}
-    assert len(names) == 5
+    assert len(names) == 6
     assert all(len(name) == len("words:12345678") for name in names)
     assert all(name.startswith("words:") for name in names)
 
 
-def test_a_file_of_the_former_format_is_refused_with_what_to_do(tmp_path):
-    former = {**CALIBRATION.as_dict(), "format": "sceneq.calibration.v1"}
-    del former["null"]
-    with pytest.raises(ValueError, match=r"v1' knows no 'none of them' \(make a new one: sceneq"):
+@pytest.mark.parametrize(
+    ("version", "missing", "lacks"),
+    [
+        ("v1", ("null", "null_described"), "knows no 'none of them'"),
+        ("v2", ("null_described",), "does not tell what is named from what is described"),
+    ],
+)
+def test_files_of_former_formats_are_refused_with_what_to_do(tmp_path, version, missing, lacks):
+    former = {**CALIBRATION.as_dict(), "format": f"sceneq.calibration.{version}"}
+    for name in missing:
+        del former[name]
+    with pytest.raises(ValueError, match=rf"{version}' {lacks} \(make a new one: sceneq"):
         read_calibration(write(tmp_path, former))
 
 
@@ -70,6 +80,8 @@ def test_a_file_of_the_former_format_is_refused_with_what_to_do(tmp_path):
         ({"null": 3}, "null: expected the numbers"),
         ({"null": {"temperature": 0.1}}, r"null\.name: expected a number"),
         ({"null": {**CALIBRATION.as_dict()["null"], "said": -1.0}}, "said: must be at least 0"),
+        ({"null_described": []}, "null_described: expected the numbers"),
+        ({"null_described": {"temperature": 0.1}}, r"null_described\.name: expected a number"),
         ({"gate": []}, "gate"),
         ({"gate": {"min_p": 0.5}}, r"gate\.min_margin"),
         ({"gate": {**CALIBRATION.as_dict()["gate"], "min_p": 1.5}}, "min_p"),
@@ -95,6 +107,7 @@ def test_a_file_that_is_missing_or_no_object_is_named(tmp_path):
 def test_the_router_takes_temperature_and_thresholds():
     router = new_router(WordEncoder(), named("scannet200"), RouterParams(), CALIBRATION)
     assert (router.params.judge.gate, router.params.null) == (GATE, NULL)
+    assert router.params.null_described == DESCRIBED
     assert router.calibration == CALIBRATION.name
     confidence = router.answer(snapshot(), router.read("lamp")).answer.confidence
     assert confidence.temperature == router.labeller.temperature == 0.07

@@ -13,6 +13,7 @@ from sceneq_core.mapping.voxels import Voxels
 from support.film import NO_CHANGE, NO_IDS, coloured, ids, touching
 
 NONE_SEEN = np.zeros(0, np.int64)
+UNGROUPED = ids(-1, -1, -1, -1)
 
 
 def strip(points, normals, rgb=(90, 90, 90)):
@@ -68,9 +69,9 @@ def followed(*contacts, in_view=()):
     """Return a neighbourhood that saw these contacts, and then superpoints ``in_view``."""
     neighbourhood = Neighbourhood()
     for one in contacts:
-        neighbourhood.follow(NO_CHANGE, Visible(NO_IDS, NO_IDS, NONE_SEEN, one))
+        neighbourhood.follow(NO_CHANGE, Visible(NO_IDS, NO_IDS, NONE_SEEN, one), UNGROUPED)
     seen = Visible(ids(*in_view), ids(*in_view), np.ones(len(in_view), np.int64))
-    neighbourhood.follow(NO_CHANGE, seen)
+    neighbourhood.follow(NO_CHANGE, seen, UNGROUPED)
     return neighbourhood
 
 
@@ -81,7 +82,8 @@ def test_borders_add_up_over_superpoints_and_keyframes():
     borders = neighbourhood.borders(ids(7, 7, 8, 8))
     # Between 7 and 8: lengths 4 + 4 + 2, unbent 4 + 0 + 1. Inside 8 there is no border.
     assert borders.openness(ids(7, 8, 7), ids(8, 7, 9)).tolist() == [0.5, 0.5, 0.0]
-    assert [pair.tolist() for pair in borders.meeting()] == [[7], [8]]
+    assert borders.meeting(ids(7)).tolist() == borders.meeting(ids(8)).tolist() == [7 << 32 | 8]
+    assert borders.meeting(ids(9)).tolist() == []
 
 
 def test_a_superpoint_borders_on_groups_by_shares_of_all_its_border():
@@ -100,7 +102,7 @@ def test_what_is_in_view_is_not_decided_by_its_border():
 def test_superpoints_that_end_have_no_contacts_any_more():
     neighbourhood = followed(touching((0, 1, 5, 5), (1, 2, 5, 5)))
     neighbourhood.follow(
-        SuperpointChange(NO_IDS, NO_IDS, ids(0)), Visible(NO_IDS, NO_IDS, NONE_SEEN)
+        SuperpointChange(NO_IDS, NO_IDS, ids(0)), Visible(NO_IDS, NO_IDS, NONE_SEEN), UNGROUPED
     )
     borders = neighbourhood.borders(ids(3, 4, 5))
     assert borders.openness(ids(3, 4), ids(4, 5)).tolist() == [0.0, 1.0]
@@ -108,7 +110,7 @@ def test_superpoints_that_end_have_no_contacts_any_more():
 
 def test_what_borders_on_something_that_moved_is_disturbed_until_it_is_looked_at():
     neighbourhood = followed(touching((0, 1, 5, 5), (1, 2, 5, 5), (2, 3, 1, 1)), in_view=(0,))
-    neighbourhood.move(ids(1, 3))
+    neighbourhood.move(ids(1, 3), ids(-1, -1), ids(0, 1))
     assert neighbourhood.disturbed().tolist() == [2]
     neighbourhood.calm()
     assert neighbourhood.disturbed().tolist() == []
@@ -117,7 +119,7 @@ def test_what_borders_on_something_that_moved_is_disturbed_until_it_is_looked_at
 def test_kinship_is_the_root_of_open_border_times_common_colours():
     neighbourhood = followed(touching((0, 1, 10, 4), (1, 2, 10, 0)))
     alike = coloured(s0=20, s1=20, s2=20)
-    neighbourhood.follow(NO_CHANGE, Visible(NO_IDS, NO_IDS, NONE_SEEN, colours=alike))
+    neighbourhood.follow(NO_CHANGE, Visible(NO_IDS, NO_IDS, NONE_SEEN, colours=alike), UNGROUPED)
     borders = neighbourhood.borders(ids(0, 1, 2, 3))
     found = borders.kinship(ids(0, 1, 0), ids(1, 2, 3))
     np.testing.assert_allclose(found, [np.sqrt(0.4), 0.0, 0.0])

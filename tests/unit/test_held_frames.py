@@ -6,14 +6,8 @@ import numpy as np
 import pytest
 
 from sceneq_core.ingest.ingestor import Ingested
-from sceneq_nodes._held_frames import (
-    Caller,
-    HeldFrames,
-    check_held,
-    held_files,
-    read_waiting,
-    waiting_text,
-)
+from sceneq_nodes._held_files import Caller, check_held, held_files, read_waiting, waiting_text
+from sceneq_nodes._held_frames import HeldFrames
 from sceneq_nodes._set_aside import DamageError, StoreError
 
 from support.papered_room import PaperedRoom

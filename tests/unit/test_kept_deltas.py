@@ -9,7 +9,7 @@ import pytest
 from zstandard import ZstdCompressor
 
 from sceneq_core.mapping.mapper import Mapper
-from sceneq_nodes import _recent_deltas
+from sceneq_nodes import _kept_deltas, _recent_deltas
 from sceneq_nodes._convert import map_delta_message
 from sceneq_nodes._item_store import Change, Item, ItemStore
 from sceneq_nodes._kept_deltas import FILE, KeptDeltas, LastRun
@@ -59,6 +59,14 @@ def test_what_was_made_anew_goes_on_from_there_and_is_kept(tmp_path):
     back.close()
     again = opened(tmp_path, told_after=BEGIN + 1, first_seq=2 * BEGIN)
     assert seqs(again, 1) == [2, 3, 4, BEGIN + 1]
+
+
+def test_a_checkpoint_after_a_keyframe_that_changed_nothing(tmp_path, monkeypatch):
+    told(tmp_path, delta(1), delta(2), quiet(3))
+    assert seqs(opened(tmp_path, told_after=3, first_seq=BEGIN), 0) == [1, 2, 3]
+    monkeypatch.setattr(_recent_deltas, "MAX_QUIET", 1)
+    told(tmp_path / "more", delta(1), delta(2), quiet(3), quiet(4))
+    assert seqs(opened(tmp_path / "more", told_after=3, first_seq=BEGIN), 0) == [1, 2, 4]
 
 
 def test_the_last_word_of_a_run_is_known(tmp_path):
@@ -117,8 +125,9 @@ def test_a_newer_file_is_left_alone(tmp_path):
         opened(tmp_path)
 
 
-def test_the_disk_keeps_no_more_than_readers_may_ask_for(tmp_path, monkeypatch):
-    monkeypatch.setattr(_recent_deltas, "MAX_DELTAS", 3)
+@pytest.mark.parametrize("place", [(_recent_deltas, "MAX_DELTAS"), (_kept_deltas, "KEPT")])
+def test_the_disk_keeps_no_more_than_is_needed(tmp_path, monkeypatch, place):
+    monkeypatch.setattr(*place, 3)
     monkeypatch.setattr(_recent_deltas, "MAX_QUIET", 2)
     told(tmp_path, *map(delta, range(1, 10)), *map(quiet, range(10, 20)))
     with sqlite3.connect(tmp_path / FILE) as database:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from sceneq_core.ingest.ingestor import Ingestor
 from sceneq_core.ingest.keyframes import EveryNth, EveryNthParams
@@ -75,6 +76,51 @@ def test_other_programs_open_it(tmp_path: Path) -> None:
     last = list(by_others.frames())[-1]
     np.testing.assert_array_equal(last.read_depth_mm()[1:], depth_mm(4)[1:])
     np.testing.assert_allclose(last.T_world_camera, turned(0.4), atol=1e-12)
+
+
+PANELS = {
+    forms.COLOR: "sensor_msgs/msg/Image",
+    forms.COLOR_JPEG: "sensor_msgs/msg/CompressedImage",
+    forms.DEPTH: "sensor_msgs/msg/Image",
+    forms.CAMERA: "sensor_msgs/msg/CameraInfo",
+    forms.TF: "tf2_msgs/msg/TFMessage",
+}
+"""What Foxglove draws, by the names of types that it knows."""
+
+
+@pytest.mark.parametrize("codec", ["raw", "jpeg"])
+def test_it_has_what_a_viewer_needs_and_is_decoded_by_its_own_text(
+    tmp_path: Path, codec: str
+) -> None:
+    path = tmp_path / "run.mcap"
+    writer = write_mcap(path, 3, codec, close=False)
+    writer.write(forms.packed_said(forms.MAP, "sceneq.map.v1", b"msgpack", 9_000_000_000))
+    writer.write(forms.answer_said("{}", 9_000_000_001))
+    writer.close()
+    with path.open("rb") as file:
+        reader = make_reader(file)
+        summary = reader.get_summary()
+        messages = list(reader.iter_messages())
+        assert reader.get_header().profile == "ros2"
+    told = summary.statistics
+    assert (told.message_count, told.channel_count) == (3 * 5 + 2, 7)
+    assert sum(told.channel_message_counts.values()) == len(messages) == told.message_count
+    assert len(summary.chunk_indexes) == told.chunk_count == 4
+    assert all(chunk.message_index_offsets for chunk in summary.chunk_indexes)
+    assert {chunk.compression for chunk in summary.chunk_indexes} <= {"", "lz4", "zstd"}
+    assert {schema.encoding for schema in summary.schemas.values()} == {"ros2msg"}
+    assert {channel.message_encoding for channel in summary.channels.values()} == {"cdr"}
+    types = {c.topic: summary.schemas[c.schema_id].name for c in summary.channels.values()}
+    assert {topic: PANELS[topic] for topic in types if topic in PANELS}.items() <= types.items()
+    assert len(set(types) & set(PANELS)) == 4
+    knows_nothing = get_typestore(Stores.EMPTY)
+    for schema in summary.schemas.values():
+        new = get_types_from_msg(schema.data.decode(), schema.name)
+        knows_nothing.register({k: v for k, v in new.items() if k not in knows_nothing.types})
+    for schema, _, message in messages:
+        decoded = knows_nothing.deserialize_cdr(message.data, schema.name)
+        again = knows_nothing.serialize_cdr(decoded, schema.name)
+        assert bytes(again) == bytes(message.data), schema.name
 
 
 @pytest.mark.parametrize("lost", [1, 40, 700])

@@ -26,6 +26,8 @@ from sceneq_core.routing.phrase import (
         ("can you find me a trash can, please", "trash can"),
         ("where can I keep milk cold", "keep milk cold"),
         ("something to watch a movie on", "something to watch a movie on"),
+        ("something to wear on my feet", "something to wear on my feet"),
+        ("something to pack clothes in for a trip", "something to pack clothes in for a trip"),
         ("light switch", "light switch"),
         ("chest of drawers", "chest of drawers"),
         ("what is it", "it"),

@@ -8,21 +8,10 @@ from sceneq_core.evaluation.reliability import (
     calibration_error,
     equal_mass_bins,
     equal_width_bins,
-    error_without_fault,
 )
 
 SURE = np.array([0.0, 0.5, 0.51, 1.0])
 RIGHT = np.array([False, True, False, True])
-
-
-def test_even_faultless_probabilities_show_an_error_that_shrinks_with_their_number():
-    p = np.random.default_rng(1).random(2_000)
-    few, many = (error_without_fault(some, 15, rounds=40) for some in (p[:30], p))
-    assert 0.1 < few < 0.3
-    assert 0.01 < many < 0.04
-    assert error_without_fault(np.array([0.0, 1.0]), 15) == 0.0
-    assert error_without_fault(np.array([0.5]), 1) == 0.5
-    assert error_without_fault(p[:30], 15) == error_without_fault(p[:30], 15)
 
 
 def test_equal_width_bins_are_open_below_and_closed_above():

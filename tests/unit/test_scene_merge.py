@@ -3,7 +3,10 @@
 import pytest
 from typer.testing import CliRunner
 
+from sceneq_core.ingest.ingestor import Ingested
 from sceneq_core.visits import visit_of
+from sceneq_nodes._held_files import Caller
+from sceneq_nodes._held_frames import HeldFrames
 from sceneq_nodes._scene_folder import SceneFolder
 from sceneq_nodes._store_params import StoreParams
 from sceneq_tools.cli import app
@@ -54,9 +57,20 @@ def merge(store, *arguments):
     return result.exit_code, result.output + str(result.exception or "")
 
 
+def wait_in(scene):
+    """Let a visit wait in a scene that nobody found the place of."""
+    held = HeldFrames.of(Caller("r2", 0, 0, 0), scene, 9)
+    frame = ROOM.frame(0, 0.0)
+    held.add(Ingested(0, 0, frame.T_world_camera, "given", frame))
+    held.close()
+
+
 def test_scenes_that_overlap_become_one(made):
+    wait_in(made / "hall")
     code, told = merge(made, "kitchen", "hall", "--out", "house")
     assert code == 0, told
+    assert "house: 1 keyframes that hall did not place wait here" in told
+    assert SceneFolder(made / "house").facts().waiting_keyframes == 1
     assert "hall lies in kitchen" in told
     assert "8 keyframes of hall taken in as visit 1" in told
     before, after = KeptScene(made / "kitchen", made), KeptScene(made / "house", made)

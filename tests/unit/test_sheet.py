@@ -85,6 +85,6 @@ def test_a_map_of_one_voxel_is_drawn(instance_id: int) -> None:
         voxel_size_m=0.02,
         up_world=np.array([0.0, 0.0, 1.0]),
     )
-    sheet = draw_sheet(one, [], [], Heading("one", "voxel", ""))
-    assert sheet.shape == (1000, 1600, 3)
+    sheet = draw_sheet(one, [], [], Heading("one", "voxel", ""), SIZE)
+    assert sheet.shape == (500, 800, 3)
     assert len(np.unique(sheet.astype(np.int32) @ (1, 256, 65536))) > 5

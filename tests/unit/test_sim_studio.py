@@ -83,7 +83,7 @@ def test_an_even_rhythm_is_rendered_ahead(studio: Studio, renderer: Counting) ->
         renderer.done.acquire()
     later = [shot(studio, seq) for seq in range(30, 41)]
     for _ in range(2):
-        assert renderer.done.acquire(timeout=5)
+        assert renderer.done.acquire(timeout=30)
     assert renderer.rendered == [0, 10, 20, 30, 40]
     assert (later[0].read_depth_mm() == 30_000).all()
     assert renderer.rendered == [0, 10, 20, 30, 40]

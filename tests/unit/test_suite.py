@@ -11,7 +11,15 @@ from sceneq_tools.errors import UserError
 from sceneq_tools.evaluation.suite_recordings import frames_digest, recordings_of
 from sceneq_tools.room.room import KINDS
 from sceneq_tools.suite import ROOMS as ALL_ROOMS
-from sceneq_tools.suite import SUITE_FILE, TEST, TUNING, SuiteParams, make_suite, read_suite
+from sceneq_tools.suite import (
+    SUITE_FILE,
+    TEST,
+    TUNING,
+    SuiteParams,
+    make_suite,
+    read_suite,
+    rooms_of,
+)
 from sceneq_tools.synth import SynthParams
 
 from support.tiny_suite import ROOMS, write_room, write_suite
@@ -38,6 +46,18 @@ def test_half_of_the_eight_rooms_may_be_tuned_on() -> None:
     assert {room.kind for room in ALL_ROOMS} == set(KINDS)
     seeds = [{room.seed for room in ALL_ROOMS if room.split == s} for s in (TUNING, TEST)]
     assert not seeds[0] & seeds[1]
+
+
+def test_every_further_round_has_other_seeds_and_tests_all_kinds() -> None:
+    rooms = rooms_of(3)
+    assert rooms_of(1) == rooms[:8] == ALL_ROOMS
+    assert len(set(rooms)) == 8 + 2 * 9
+    seeds = [{room.seed for room in rooms if room.split == s} for s in (TUNING, TEST)]
+    assert seeds == [{11, 12, 13}, {21, 22, 23}]
+    assert {room.kind for room in rooms if room.seed == 22} == set(KINDS)
+    for wrong in (0, 10):
+        with pytest.raises(ValueError, match=f"rounds: expected 1 to 9, got {wrong}"):
+            rooms_of(wrong)
 
 
 def test_a_room_is_recorded_as_the_suite_says() -> None:

@@ -77,6 +77,14 @@ def test_stamps_must_grow():
     assert pairs(fed(joiner, ("colour", 50), ("depth", 50))) == [(50, 50)]
 
 
+def test_what_waits_for_something_nearer_is_joined_when_nothing_comes():
+    joiner = sync()
+    assert pairs(fed(joiner, ("depth", 95), ("colour", 100), ("colour", 200))) == []
+    assert pairs(joiner.flush()) == [(100, 95)]
+    assert joiner.flush() == []
+    assert pairs(fed(joiner, ("depth", 201))) == [(200, 201)]
+
+
 def test_bad_parameters():
     with pytest.raises(ValueError, match="tolerance_s"):
         SyncParams(tolerance_s=-1)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from sceneq_tools.status import NodeStatus
 
 T = TypeVar("T")
-PATIENCE_S = 120.0
+PATIENCE_S = 240.0
 STOP_S = 60.0
 POLL_S = 0.1
 CONNECT_S = 10.0

@@ -21,7 +21,7 @@ LOCAL = "tcp/127.0.0.1:7447"
 PORT = 7448
 SMALL_BUFFER = "#so_sndbuf=32768"
 """Frames wait in the router, where questions overtake them, rather than in the socket."""
-START_S = 40.0
+START_S = 120.0
 STOP_S = 15.0
 POLL_S = 0.1
 EDGE, SERVER = "edge", "server"

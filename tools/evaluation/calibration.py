@@ -14,9 +14,14 @@ from sceneq_core.evaluation.reliability import (
     calibration_error,
     equal_mass_bins,
     equal_width_bins,
-    error_without_fault,
 )
 from sceneq_core.evaluation.risk_coverage import RiskCoverage, risk_coverage
+from sceneq_core.evaluation.verified_error import (
+    as_much_by_chance,
+    debiased_error,
+    error_interval,
+    errors_without_fault,
+)
 from sceneq_core.routing.gate import GateParams
 from sceneq_core.routing.labels import Labeller, LabelSet
 from sceneq_core.routing.router import Router
@@ -34,12 +39,16 @@ from sceneq_tools.evaluation.retrieval_setup import Setup
 WIDTH_BINS, MASS_BINS = 15, 10
 
 QUESTIONS = "questions: which instance is meant, or none of them; those without a relation"
+NAMED = "named: those of the questions that name a thing"
+DESCRIBED = "described: those that say what it is for, does or is made of"
 SUPPOSING = "supposing: which instance is meant, of those where there is one and told so"
 LABELS = "labels: what a true instance is called, of those whose name is in the label set"
 PROTOCOL = (
     "NLL, Brier: all choices, several right ones count as one; ECE: p of the first guess, "
     f"{WIDTH_BINS} bins of equal width / {MASS_BINS} of equal mass, by chance: what probabilities "
-    "without any fault would show on so few guesses; AURC: area under risk against "
+    "without any fault would show on so few guesses, and how often as much; beyond: L2 error of "
+    "the bins of equal mass without what chance adds (debiased, Kumar et al. 2019); 90 %: of the "
+    "ECE by width, basic bootstrap; AURC: area under risk against "
     "coverage, least AURC: the least possible at this accuracy; AUROC: right against wrong "
     "first guesses"
 )
@@ -66,7 +75,9 @@ class TaskScores:
     """How well the probabilities of one kind of guesses are calibrated.
 
     ``auroc`` is by what the gate looks at, ``None`` where all guesses are right or all wrong.
-    ``ece_noise``: the ``ece_width`` that probabilities without any fault would show on average.
+    ``ece_noise``: the ``ece_width`` that probabilities without any fault would show on average,
+    ``ece_as_much``: how often as much; ``ece_beyond``: the debiased error; ``ece_interval``: where
+    ``ece_width`` lies in nine of ten cases.
     """
 
     task: str
@@ -80,6 +91,9 @@ class TaskScores:
     ece_width: float
     ece_mass: float
     ece_noise: float
+    ece_as_much: float
+    ece_beyond: float
+    ece_interval: tuple[float, float]
     bins: tuple[Bin, ...]
     mass_bins: tuple[Bin, ...]
     curve: RiskCoverage
@@ -89,7 +103,8 @@ class TaskScores:
         """Return everything in values that JSON knows."""
         plain = (
             *("task", "choices", "guesses", "accuracy", "confidence", "nll", "brier"),
-            *("top_brier", "ece_width", "ece_mass", "ece_noise", "auroc"),
+            *("top_brier", "ece_width", "ece_mass", "ece_noise", "ece_as_much", "ece_beyond"),
+            *("ece_interval", "auroc"),
         )
         return {
             **{name: getattr(self, name) for name in plain},
@@ -162,6 +177,12 @@ def evaluate_calibration(scenes: Sequence[Scene], setup: Setup) -> CalibrationRe
                 for labeller in (router.labeller, own)
             ),
             task_scores(SUPPOSING, "instances", [o.supposing for o in asked if o.has_answer]),
+            *(
+                task_scores(
+                    task, "instances", [o.with_null for o in asked if o.described is described]
+                )
+                for task, described in ((NAMED, False), (DESCRIBED, True))
+            ),
         ),
         routing=routing_scores(scenes, router, asked),
     )
@@ -214,7 +235,10 @@ def task_scores(task: str, choices: str, guesses: Sequence[Guess]) -> TaskScores
         top_brier=top_brier(seen.p_max, seen.right),
         ece_width=calibration_error(bins),
         ece_mass=calibration_error(mass_bins),
-        ece_noise=error_without_fault(seen.p_max, WIDTH_BINS),
+        ece_noise=_mean(errors_without_fault(seen.p_max, WIDTH_BINS).tolist()),
+        ece_as_much=as_much_by_chance(seen.p_max, seen.right, WIDTH_BINS),
+        ece_beyond=debiased_error(mass_bins),
+        ece_interval=error_interval(seen.p_max, seen.right, WIDTH_BINS),
         bins=bins,
         mass_bins=mass_bins,
         curve=risk_coverage(seen.p_max, seen.right),

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 
 COLUMNS = (
     *("guesses", "n", "right", "mean p", "NLL", "Brier", "top Brier"),
-    *("ECE width/mass", "by chance", "AURC (least)", "AUROC p", "margin", "entropy"),
+    *("ECE width/mass", "by chance", "beyond", "90 %"),
+    *("AURC (least)", "AUROC p", "margin", "entropy"),
 )
 GATE_COLUMNS = ("threshold", "x 0.9", "x 1", "x 1.1")
 
@@ -132,7 +133,9 @@ def _row(task: "TaskScores") -> tuple[str, ...]:
         f"{task.brier:.3f}",
         f"{task.top_brier:.3f}",
         f"{task.ece_width:.3f}/{task.ece_mass:.3f}",
-        f"{task.ece_noise:.3f}",
+        f"{task.ece_noise:.3f} (in {100 * task.ece_as_much:.0f} %)",
+        f"{task.ece_beyond:.3f}",
+        "{:.3f} to {:.3f}".format(*task.ece_interval),
         f"{curve.area:.3f} ({curve.least_area:.3f})",
         *(_share(task.auroc[name]) for name in ("p_max", "margin", "entropy")),
     )

@@ -205,7 +205,8 @@ def calibration(record: Json) -> Table:
     """Return the measures of every task in one setting."""
     columns = (
         *("guesses", "n", "right", "mean p", "NLL", "Brier", "top Brier", "ECE width"),
-        *("ECE mass", "by chance", "AURC", "least AURC", "AUROC p", "margin", "entropy"),
+        *("ECE mass", "by chance", "as much", "beyond", "90 %"),
+        *("AURC", "least AURC", "AUROC p", "margin", "entropy"),
     )
     rows = tuple(_task_row(task) for task in record["tasks"])
     title = f"{record['split']}, {record['setting']}: T {record['temperature']:g}"
@@ -216,7 +217,9 @@ def _task_row(task: Json) -> Row:
     numbers = ("confidence", "nll", "brier", "top_brier", "ece_width", "ece_mass", "ece_noise")
     return (
         *(task_name(task), str(task["guesses"]), f"{100 * task['accuracy']:.0f} %"),
-        *(ap(task[name]) for name in (*numbers, "aurc", "least_aurc")),
+        *(ap(task[name]) for name in (*numbers, "ece_as_much", "ece_beyond")),
+        "{:.3f} to {:.3f}".format(*task["ece_interval"]),
+        *(ap(task[name]) for name in ("aurc", "least_aurc")),
         *(ap(task["auroc"][name]) for name in ("p_max", "margin", "entropy")),
     )
 

@@ -1,0 +1,132 @@
+"""Two robots as processes, each with an odometry frame of its own, make one map of one room.
+
+While they do, mapping and one robot's ingest are killed: nothing that was held or mapped is lost.
+"""
+
+import os
+import signal
+import tempfile
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sceneq_core.ingest.transforms import angle_deg, distance_m, inverse, transform
+from sceneq_core.visits import seq_of, visit_of
+from sceneq_nodes._scene_folder import SceneFolder
+from sceneq_nodes._wire import from_bytes
+from sceneq_schemas.topics import MAP_SNAPSHOT, VIEW_SNAPSHOT, VISIT
+
+from support.kept_scene import KeptScene
+from support.live_graph import LiveGraph
+from support.papered_recording import write_walk
+from support.papered_room import PaperedRoom
+
+pytestmark = pytest.mark.integration
+
+ROOM = PaperedRoom()
+TURNS_DEG = list(range(0, 270, 15))
+ONE, OTHER = slice(7, 18), slice(0, 11)
+"""Each box is in four views at least, four views are of both, and each begins somewhere else."""
+GRAPH = """\
+scene: room
+robot: r1
+nodes:
+  - {{id: ingest, params: {{source: {{kind: folder, path: {one}}}, {how}}}}}
+  - id: second
+    kind: ingest
+    params: {{robot: r2, source: {{kind: folder, path: {other}}}, {how}}}
+  - {{id: segmentation, params: {{robots: [r2], segmenter: {{kind: files, path: {masks}}}}}}}
+  - {{id: mapping, params: {{robots: [r2], mapper: {{voxel_size_m: 0.05}}}}}}
+  - {{id: views, params: {{robots: [r2]}}}}
+"""
+PATIENCE_S = 300.0
+HOW = "rate_hz: 0, keyframes: {kind: every, every: 1}, arrival: {look_again_s: 0.5}"
+
+
+def turned_about_up() -> np.ndarray:
+    turn = np.radians(70.0)
+    motion = np.eye(4)
+    motion[:2, :2] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
+    motion[:3, 3] = [1.5, -2.0, 0.4]
+    return motion
+
+
+T_OTHER_ONE = turned_about_up()
+
+
+@pytest.fixture
+def runtime() -> Iterator[Path]:
+    """A short path: a unix socket lives in it."""
+    with tempfile.TemporaryDirectory(prefix="sq") as folder:
+        yield Path(folder)
+
+
+def confirmed(instances: Iterable[Any]) -> list[Any]:
+    return [one for one in instances if one.state == "confirmed"]
+
+
+def alone(walk: Path) -> list[np.ndarray]:
+    """Return the centres of what one robot finds that sees everything."""
+    kept = KeptScene(None, walk)
+    try:
+        kept.visit(walk)
+        return [one.centre_world for one in confirmed(kept.map().instances.values())]
+    finally:
+        kept.close()
+
+
+def told(live: LiveGraph, topic: Any) -> Any:
+    """Return what a node of the graph answers, ``None`` while nobody does."""
+    replies, _ = live.client.get(topic.key(scene="room"))
+    return from_bytes(topic, replies[0][1].payload) if replies else None
+
+
+def visits(live: LiveGraph) -> dict[str, Any]:
+    answer = told(live, VISIT)
+    return {one["robot"]: one for one in answer["visits"]} if answer else {}
+
+
+def kill(live: LiveGraph, *nodes: str) -> None:
+    for node in nodes:
+        os.kill(live.pids()[node], signal.SIGKILL)
+
+
+def test_two_robots_in_frames_of_their_own_make_one_map(tmp_path: Path, runtime: Path) -> None:
+    walk = write_walk(tmp_path / "walk", ROOM, TURNS_DEG)
+    one = write_walk(tmp_path / "one", ROOM, TURNS_DEG[ONE], first=ONE.start)
+    numbers = list(range(len(TURNS_DEG)))
+    other = write_walk(tmp_path / "other", ROOM, TURNS_DEG[OTHER], T_OTHER_ONE, first=OTHER.start)
+    graph = tmp_path / "graph.yaml"
+    graph.write_text(GRAPH.format(one=one, other=other, masks=walk, how=HOW))
+    live = LiveGraph(graph, None, runtime, "--store", str(tmp_path / "maps"))
+    try:
+        live.wait(lambda: len(visits(live)) == 2)
+        kill(live, "mapping", "second")
+        expected = len(numbers[ONE]) + len(numbers[OTHER])
+        live.wait(lambda: live.value("views", "keyframes") == expected, PATIENCE_S)
+        live.wait(lambda: all(one["T_world_odom"] for one in visits(live).values()))
+        came = visits(live)
+        T_world = {robot: np.array(visit["T_world_odom"]) for robot, visit in came.items()}
+        T_one_other = inverse(T_world["r1"]) @ T_world["r2"]
+        assert distance_m(T_one_other, inverse(T_OTHER_ONE)) < 0.03
+        assert angle_deg(T_one_other, inverse(T_OTHER_ONE)) < 0.5
+
+        things = confirmed(live.wait(lambda: told(live, MAP_SNAPSHOT)).instances)
+        centres = transform(inverse(T_world["r1"]), np.stack([one.centre_world for one in things]))
+        truth = np.stack(alone(walk))
+        assert len(centres) == len(truth)
+        apart = np.linalg.norm(centres[:, None] - truth, axis=2)
+        assert apart.min(axis=1).max() < 0.1
+        assert sorted(apart.argmin(axis=1)) == list(range(len(truth)))
+
+        numbered = {visit["visit"]: robot for robot, visit in came.items()}
+        views = live.wait(lambda: told(live, VIEW_SNAPSHOT))
+        seen = [view.seq for one in views.view_sets for view in one.views]
+        assert {numbered[visit_of(seq)] for seq in seen} == {"r1", "r2"}
+        assert {seq_of(seq) for seq in seen} <= set(numbers)
+        live.wait(lambda: not SceneFolder(tmp_path / "maps" / "room").waiting())
+    finally:
+        assert live.close() == 0
