@@ -71,9 +71,9 @@ class KeptDeltas(RecentDeltas):
         told = self._told()
         complete_after, before = _continued(told, last)
         super().__init__(complete_after, last.first_seq, before)
-        items = {(item.kind, item.number): item for item in self._everything()}
-        put = tuple(item for key, item in items.items() if key not in told)
-        self._items.commit(Change(put, tuple(told.keys() - items.keys())))
+        kept = {_key(delta): (delta, before) for delta, before in self._kept()}
+        put = tuple(_item(*kept[key]) for key in kept.keys() - told.keys())
+        self._items.commit(Change(put, tuple(told.keys() - kept.keys())))
 
     def add(self, delta: MapDelta) -> None:
         """Commit the newest, and let go of the oldest when there are too many."""
@@ -91,10 +91,14 @@ class KeptDeltas(RecentDeltas):
         return self._deltas[-1].seq if self._deltas else self._complete_after
 
     def _everything(self) -> Iterator[Item]:
+        return (_item(delta, before) for delta, before in self._kept())
+
+    def _kept(self) -> Iterator[tuple[MapDelta, int]]:
+        """Yield what is to be on disk, each with the number of the change before it."""
         is_more = len(self._deltas) > KEPT
         before = self._deltas[-KEPT - 1].seq if is_more else self._complete_after
         for delta in merge(list(self._deltas)[-KEPT:], self._quiet, key=attrgetter("seq")):
-            yield _item(delta, before)
+            yield delta, before
             before = before if says_nothing(delta) else delta.seq
 
     def _told(self) -> dict[tuple[str, int], _Told]:

@@ -35,6 +35,8 @@ class Submap:
         self._read, self._backlog = 0, held.last
         self._given = 0
         self._under_way: dict[int, int] = {}
+        self._gone: set[int] = set()
+        self._moved: dict[int, Float64] = {}
 
     @property
     def has_work(self) -> bool:
@@ -66,6 +68,7 @@ class Submap:
     def correct(self, poses: Mapping[int, Float64]) -> None:
         """Take note of poses that are known better now."""
         self._corrected |= poses
+        self._moved |= {seq: pose for seq, pose in poses.items() if seq in self._gone}
 
     def see(self, frame: Ingested) -> Relocation | None:
         """Look for the place of a keyframe just held."""
@@ -89,6 +92,8 @@ class Submap:
     def next(self) -> Ingested | None:
         """Return the next keyframe as one of the scene; it is held until ``acknowledge``.
 
+        It brings what has become known since of the poses of those that went before.
+
         Raises:
             StoreError, DamageError, DecodeError: it cannot be read.
         """
@@ -99,10 +104,11 @@ class Submap:
             return None
         self._given, frame = found
         pose = self._corrected.get(frame.seq, frame.T_world_camera)
+        newest = replace(frame, T_world_camera=pose, corrected=self._moved)
         assert self.T_world_odom is not None
-        moved = in_scene(
-            replace(frame, T_world_camera=pose, corrected={}), self.number, self.T_world_odom
-        )
+        moved = in_scene(newest, self.number, self.T_world_odom)
+        self._gone.add(frame.seq)
+        self._moved = {}
         self._under_way[moved.seq] = self._given
         return moved
 

@@ -56,8 +56,6 @@ def run(
         _need_none(own | camera | {"--quality": quality != 92})
         _synth_suite(out, frames, rounds, force, quiet)
         return
-    if rounds != 1:
-        raise UserError("--rounds: only a suite has them (--suite)", 2)
     try:
         params = SynthParams(
             seed=seed,

@@ -62,8 +62,9 @@ class RtabmapDatabase:
         self.path = path
         if not path.is_file():
             raise ValueError(f"{path}: no such file")
-        self._file = sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)
-        weakref.finalize(self, self._file.close)
+        address = f"{path.resolve().as_uri()}?mode=ro"
+        self._file = sqlite3.connect(address, uri=True, check_same_thread=False)
+        weakref.finalize(self, self._file.close)  # on whichever thread it is let go
         try:
             self.version = str((self._one("SELECT version FROM Admin") or ("?",))[0])
             rows = self._file.execute(FRAMES).fetchall()

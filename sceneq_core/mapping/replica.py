@@ -139,10 +139,9 @@ def _lookup(instance_of_superpoint: Int32, superpoint_id: Int32) -> Int32:
 
     Ids of -1 and ids that no instance ever named have no instance.
     """
-    table = np.append(instance_of_superpoint, np.int32(0))
-    last = len(table) - 1
-    known = (superpoint_id >= 0) & (superpoint_id < last)
-    found: Int32 = table.take(np.where(known, superpoint_id, last))
+    none = np.zeros(1, np.int32)
+    table = np.concatenate((none, instance_of_superpoint, none))
+    found: Int32 = table.take(superpoint_id + 1, mode="clip")
     return found
 
 

@@ -9,7 +9,7 @@ import pytest
 
 VICTIMS = ("router", "mapping", "views", "encoding", "routing")
 
-pytestmark = [pytest.mark.integration, pytest.mark.timeout(600)]
+pytestmark = [pytest.mark.integration, pytest.mark.timeout(900)]
 
 
 def test_the_short_list_of_faults_does_no_harm(tmp_path: Path) -> None:

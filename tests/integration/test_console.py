@@ -83,6 +83,15 @@ def test_an_answer_is_shown_with_evidence_and_in_the_map(page: Page) -> None:
     expect(page.get_by_label("What are you looking for?")).to_have_value("red ball")
 
 
+def test_a_newcomer_is_shown_what_to_ask(page: Page) -> None:
+    proposed = page.locator("#try button")
+    question = proposed.first.inner_text()
+    proposed.first.click()
+    expect(page.locator(".card h2").first).to_have_text(question)
+    expect(page.locator(".card .status").first).not_to_have_text("asking …", timeout=PATIENT_MS)
+    expect(page.locator("#try")).to_be_hidden()
+
+
 def test_a_thing_is_asked_about_by_a_click_in_the_map(page: Page) -> None:
     box = page.locator("#cloud").bounding_box()
     assert box is not None

@@ -74,7 +74,7 @@ def test_retrieval_asks_about_the_map_and_the_truth(place):
 def test_calibration_is_fitted_used_and_told_apart(place):
     before = measured(place, "calibration", place / "room")
     choices = [task["choices"] for task in before["tasks"]]
-    assert choices == ["instances", "custom", "own", "instances"]
+    assert choices == ["instances", "custom", "own", *["instances"] * 3]
     out = place / "fitted.json"
     graph = ("--graph", place / "graph.yaml")
     code, _, errors = sceneq(

@@ -17,7 +17,7 @@ from sceneq_tools.chaos.scenario import NOTHING, Plan
 from support.recording import write_recording
 from support.room import Room
 
-pytestmark = [pytest.mark.integration, pytest.mark.timeout(400)]
+pytestmark = [pytest.mark.integration, pytest.mark.timeout(900)]
 
 
 @pytest.fixture(scope="module")

@@ -185,6 +185,6 @@ def test_the_report_is_plain_values_and_names_its_protocols():
     assert "ECE" in document["protocol"]
     assert document["routing"]["gate"]["min_p"] == GateParams().min_p
     assert [task["choices"] for task in document["tasks"]] == [
-        *("instances", "scannet200", "own", "instances"),
+        *("instances", "scannet200", "own", "instances", "instances", "instances"),
     ]
     assert len(document["routing"]["sensitivity"]) == 12

@@ -22,6 +22,7 @@ from support.documents import (
     pages,
     prose,
 )
+from support.reader import STAND_INS
 
 PAGES = pages()
 TYPED = [command for page in PAGES for command in commands(page)]
@@ -46,6 +47,11 @@ def test_every_command_has_a_way_in_which_it_is_run() -> None:
 def test_no_row_is_left_over() -> None:
     used = {row_of(command) for command in TYPED}
     assert {row.pattern for row in ROWS} == {row.pattern for row in used}
+
+
+def test_no_stand_in_is_left_over() -> None:
+    unused = [text for text in STAND_INS if not any(text in c.text for c in TYPED)]
+    assert not unused
 
 
 def test_what_is_run_elsewhere_is_there() -> None:

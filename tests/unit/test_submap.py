@@ -67,6 +67,18 @@ def test_keyframes_go_at_the_poses_known_best_and_are_held_until_acknowledged(tm
     assert list(tmp_path.iterdir()) == []
 
 
+def test_what_becomes_known_of_poses_meanwhile_comes_with_the_next_one(tmp_path):
+    submap = submap_in(tmp_path, keyframe(0), keyframe(1))
+    first, better = submap.next(), ROOM.frame(0, 3.0).T_world_camera
+    submap.hold(keyframe(2, {0: better, 1: better}))
+    second, third = submap.next(), submap.next()
+    assert list(second.corrected) == [first.seq]
+    assert np.array_equal(second.corrected[first.seq], nearest_rigid(T_WORLD_ODOM @ better))
+    assert np.array_equal(second.T_world_camera, nearest_rigid(T_WORLD_ODOM @ better))
+    assert third.corrected == {}
+    submap.held.close()
+
+
 def test_what_nobody_acknowledges_goes_again_at_the_next_start(tmp_path):
     submap = submap_in(tmp_path, keyframe(0))
     submap.give_up(submap.next().seq)
