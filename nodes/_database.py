@@ -67,6 +67,12 @@ def damage_named() -> Iterator[None]:
         raise (DamageError if damaged else StoreError)(str(error)) from error
 
 
+def is_made(connection: sqlite3.Connection) -> bool:
+    """Whether it has its tables: whoever makes it commits them all at once."""
+    with damage_named():
+        return bool(connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0])
+
+
 def check_pages(connection: sqlite3.Connection) -> None:
     """Read every page; raise ``DamageError`` with the first thing that is wrong."""
     with damage_named():
@@ -113,7 +119,7 @@ def _check_header(connection: sqlite3.Connection, path: Path, schema: int) -> No
 
 
 def _make_tables(connection: sqlite3.Connection, tables: str, schema: int) -> None:
-    if connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+    if is_made(connection):
         return
     connection.executescript(
         f"BEGIN; PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {schema};"

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sceneq_core.places.visit import Visit
-from sceneq_nodes._database import open_to_read
+from sceneq_nodes._database import is_made, open_to_read
 from sceneq_nodes._journal import SCHEMA, Journal
-from sceneq_nodes._set_aside import COMPANIONS, DamageError, set_aside
+from sceneq_nodes._set_aside import COMPANIONS, DamageError, StoreError, set_aside
 
 log = logging.getLogger(__name__)
 
@@ -76,6 +76,27 @@ def read_waiting(path: Path) -> Waiting:
     with contextlib.closing(Journal(path, open_to_read(path, SCHEMA))) as journal:
         first, last = journal.span()
         return Waiting(caller_of(journal), last - first + 1 if last else 0, path)
+
+
+def waiting_in(path: Path) -> list[Waiting]:
+    """Return what waits in a file that may be in use: nothing where it is begun or placed just now.
+
+    Raises:
+        StoreError: not readable.
+        DamageError: damaged.
+    """
+    try:
+        return [read_waiting(path)] if _is_begun(path) else []
+    except StoreError:
+        if path.exists():
+            raise
+        return []
+
+
+def _is_begun(path: Path) -> bool:
+    with contextlib.closing(open_to_read(path, SCHEMA)) as connection:
+        journal = Journal(path, connection)
+        return is_made(connection) and (journal.number("seq", -1) >= 0 or journal.span()[1] > 0)
 
 
 def waiting_text(visits: int, keyframes: int) -> str:

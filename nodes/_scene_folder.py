@@ -13,7 +13,7 @@ from sceneq_core.state import build
 from sceneq_nodes._checkpoints import Checkpoint, Checkpoints, read
 from sceneq_nodes._database import check_pages, damage_named, open_to_read
 from sceneq_nodes._folder_lock import FolderLock
-from sceneq_nodes._held_files import Waiting, check_held, delete_held, held_files, read_waiting
+from sceneq_nodes._held_files import Waiting, check_held, delete_held, held_files, waiting_in
 from sceneq_nodes._item_store import SCHEMA as ITEMS_SCHEMA
 from sceneq_nodes._item_store import damaged_items
 from sceneq_nodes._journal import SCHEMA as JOURNAL_SCHEMA
@@ -84,10 +84,10 @@ class SceneFolder:
 
     def waiting(self) -> list[Waiting]:
         """Return what visits hold that is not in the map; raise ``StoreError``."""
-        found = []
+        found: list[Waiting] = []
         for path in held_files(self.path):
             with _named(path):
-                found.append(read_waiting(path))
+                found += waiting_in(path)
         return found
 
     def drop(self, waiting: Waiting) -> None:

@@ -71,8 +71,8 @@ def _catches_everything(handler: ast.ExceptHandler) -> bool:
 def test_the_top_level_is_the_agreed_one() -> None:
     agreed = {
         "graph.yaml", "nodes", "sceneq_core", "schemas", "tools", "tests", "pyproject.toml",
-        "README.md", "LICENSE", "CITATION.cff", "Makefile", "docs", "deploy", ".ci", ".github", ".gitignore",
-        "requirements.lock",
+        "README.md", "LICENSE", "CITATION.cff", "Makefile", "docs", "deploy", ".ci", ".github",
+        ".gitignore", "requirements.lock",
     }  # fmt: skip
     import subprocess
 

@@ -18,6 +18,7 @@ from urllib.request import urlopen
 import pytest
 
 import sceneq_tools.suite
+from sceneq_core.routing.answer import AMBIGUOUS, FOUND, NOT_FOUND
 from sceneq_tools.synth import SynthParams
 
 from support.command_ways import Row, Way, row_of
@@ -140,8 +141,11 @@ def test_what_is_asked_of_a_running_graph(reader: Reader, graph: Running, comman
 
 
 def labels(printed: str) -> set[str]:
-    """Return what lines of a printed answer begin with, and the heads of its tables."""
-    names = set(re.findall(r"^ *([a-z_]+): ", printed, re.M))
+    """Return what lines of a printed answer begin with, and the heads of its tables.
+
+    How a question ends is another matter on another map.
+    """
+    names = set(re.findall(r"^ *([a-z_]+): ", printed, re.M)) - {FOUND, AMBIGUOUS, NOT_FOUND}
     heads = re.findall(r"^ +((?:[A-Za-z]+(?: [a-z]+)*  +)+[A-Za-z]+(?: [a-z]+)*) *$", printed, re.M)
     return names | {name for head in heads for name in re.split("  +", head)}
 

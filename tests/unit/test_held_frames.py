@@ -6,8 +6,16 @@ import numpy as np
 import pytest
 
 from sceneq_core.ingest.ingestor import Ingested
-from sceneq_nodes._held_files import Caller, check_held, held_files, read_waiting, waiting_text
+from sceneq_nodes._held_files import (
+    Caller,
+    check_held,
+    held_files,
+    read_waiting,
+    waiting_in,
+    waiting_text,
+)
 from sceneq_nodes._held_frames import HeldFrames
+from sceneq_nodes._journal import Journal
 from sceneq_nodes._set_aside import DamageError, StoreError
 
 from support.papered_room import PaperedRoom
@@ -83,6 +91,22 @@ def test_one_process_at_a_time(tmp_path):
     beside.close()
     held.close()
     assert read_waiting(held.path).keyframes == 1
+
+
+def test_a_file_that_is_begun_or_gone_holds_nothing_yet(tmp_path):
+    path = tmp_path / CALLER.file_name
+    assert waiting_in(path) == []
+    path.touch()
+    assert waiting_in(path) == []
+    Journal(path).close()
+    assert waiting_in(path) == []
+    path.unlink()
+    held = held_of(tmp_path, 0)
+    assert [one.keyframes for one in waiting_in(held.path)] == [1]
+    held._journal._db.execute("DELETE FROM note")
+    with pytest.raises(DamageError, match="whose keyframes"):
+        waiting_in(held.path)
+    held.close()
 
 
 def test_damage_is_found(tmp_path):

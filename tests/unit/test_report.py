@@ -72,6 +72,9 @@ TASK = {
     **dict.fromkeys(("confidence", "nll", "brier", "top_brier", "ece_width"), 0.125),
     "ece_mass": 0.25,
     "ece_noise": 0.375,
+    "ece_as_much": 0.75,
+    "ece_beyond": 0.0625,
+    "ece_interval": [0.125, 0.5],
     "aurc": 0.1,
     "least_aurc": 0.05,
     "bins": BINS,
@@ -192,6 +195,7 @@ def test_calibration_rows() -> None:
     (row,) = rows(table)
     assert (row["guesses"], row["right"], row["AUROC p"]) == ("labels -> own", "67 %", "0.750")
     assert row["margin"] == "-"
+    assert (row["as much"], row["beyond"], row["90 %"]) == ("0.750", "0.062", "0.125 to 0.500")
     assert tables.sensitivity(CALIBRATION["routing"]).rows == (
         ("min_p 0.5", "0.500", "0.500", "0.500"),
     )

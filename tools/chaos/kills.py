@@ -73,7 +73,7 @@ def _harmed(
     for number, start in enumerate(range(0, len(order), at_a_time)):
         group = order[start : start + at_a_time]
         with live(plan, "--store", str(plan.work / str(number))) as graph:
-            graph.wait(lambda graph=graph: graph.value("ingest", "state") == "playing")  # type: ignore[misc]
+            graph.wait_until_begun()
             for victim in group:
                 time.sleep(chance.uniform(0.0, MOST_S))
                 times[victim] += harm(graph, victim)

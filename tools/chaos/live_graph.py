@@ -25,6 +25,7 @@ POLL_S = 0.1
 CONNECT_S = 10.0
 FIRST_PORT, PORTS = 20_000, 12_000
 """Below those that the system gives away by itself."""
+BEGUN = ("playing", "ending", "finished")
 TOLD = {"map": "mapping", "views": "views", "features": "encoding"}
 """What is told from node to node as changes, and by whom: each reports how far it is."""
 LISTENERS = {"encoding": ("views",), "routing": ("map", "views", "features")}
@@ -170,6 +171,10 @@ class LiveGraph:
     def _story(self) -> str:
         """What the graph printed and what its nodes say, for whoever has only a log to read."""
         return f"the graph printed:\n{self.log.read_text()}\n{self.sceneq('status').stdout}"
+
+    def wait_until_begun(self) -> None:
+        """Wait until frames are read; a short recording may be over before a heartbeat tells."""
+        self.wait(lambda: self.value("ingest", "state") in BEGUN)
 
     def wait_until_settled(self) -> None:
         """Wait until the recording is over, everything seen is described, and every node knows."""

@@ -98,7 +98,7 @@ def torn_writes(plan: Plan) -> Iterator[Outcome]:
     for number in range(plan.pick(3, 1)):
         store = plan.work / f"torn-{number}"
         with live(plan, "--store", str(store)) as graph:
-            graph.wait(lambda graph=graph: graph.value("ingest", "state") == "playing")  # type: ignore[misc]
+            graph.wait_until_begun()
             caught += _kill_while_writing(graph, store)
             losses.add(settled(graph).lost(whole))
     lost = "; ".join(sorted(losses - {NOTHING})) or NOTHING

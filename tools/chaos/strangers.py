@@ -31,7 +31,7 @@ def malformed(plan: Plan) -> Iterator[Outcome]:
     """Damaged messages on every key while a map grows, then damaged questions."""
     whole, count = undisturbed(plan), plan.pick(4_000, 400)
     with live(plan) as graph:
-        graph.wait(lambda: graph.value("ingest", "state") == "playing")
+        graph.wait_until_begun()
         with Client(graph.endpoint, 20.0) as client:
             sent = send_nonsense(client, count, plan.seed)
             ends = ask_nonsense(client, plan.pick(1_000, 100), plan.seed)
