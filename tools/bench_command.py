@@ -16,12 +16,12 @@ def run(
         list[str] | None,
         typer.Argument(
             metavar="STAGE",
-            help="Default: codec, bus, render, stages, laps, query, scale; or link.",
+            help="Default: codec, bus, render, stages, stream, laps, query, scale; or link.",
         ),
     ] = None,
     source: Annotated[
         Path | None,
-        typer.Option(help="Folder of frames for stages, laps and query; default: sample."),
+        typer.Option(help="Folder of frames for stages, stream, laps and query; default: sample."),
     ] = None,
     graph: Annotated[
         Path | None, typer.Option(help="Default: ./graph.yaml, else the one in the package.")
@@ -42,7 +42,7 @@ def run(
     frames: Annotated[int | None, typer.Option(min=1, help="Look at so many frames only.")] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Measure codec, bus, rendering, the stages of a keyframe, laps, queries and their scale."""
+    """Measure codec, bus, rendering, a keyframe's stages, the stream, laps, queries and scale."""
     from sceneq_tools.bench.measurement import Options
     from sceneq_tools.bench.report import COLUMNS, as_json, read_baseline, rows
     from sceneq_tools.json_file import write_json

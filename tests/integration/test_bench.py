@@ -12,6 +12,7 @@ from sceneq_tools.bench.measurement import Options
 from sceneq_tools.bench.processes import helper
 from sceneq_tools.bench.query import query
 from sceneq_tools.bench.stages import stages
+from sceneq_tools.bench.stream import stream
 
 from support.live_graph import write_graph
 from support.recording import write_recording
@@ -51,6 +52,13 @@ def test_every_stage_of_a_keyframe_is_measured(options: Options) -> None:
     assert measured["segmentation, mapping, views"].unit == "keyframes/s"
     assert measured["mapping, last third"].value > 0
     assert measured["memory at most"].value > 50
+
+
+def test_keyframes_are_counted_through_processes(options: Options) -> None:
+    (measured,) = stream(options)
+    assert (measured.name, measured.unit) == ("keyframes, 4 processes", "/s")
+    assert measured.value > 0
+    assert measured.ratio is not None
 
 
 def test_laps_are_mapped_in_a_process_of_their_own(

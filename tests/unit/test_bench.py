@@ -32,6 +32,7 @@ from sceneq_tools.bench.measurement import (
 from sceneq_tools.bench.query_feeder import options_from, text_from
 from sceneq_tools.bench.reference import fixed_work, fixed_work_ms
 from sceneq_tools.bench.stopwatch import Stopwatch
+from sceneq_tools.bench.stream import rate_hz
 from sceneq_tools.errors import UserError
 
 from support.fake_bus import FakeBus
@@ -165,6 +166,12 @@ def test_growth_compares_the_last_third_with_the_first() -> None:
 def test_a_pipeline_is_as_quick_as_its_slowest_stage_and_its_cores_allow() -> None:
     assert stages.pipelined([10.0, 50.0, 20.0]) == pytest.approx(20.0)
     assert stages.pipelined([60.0, 60.0, 80.0]) == pytest.approx(10.0)
+
+
+def test_the_first_keyframe_starts_the_clock() -> None:
+    assert rate_hz(21, 2.0) == 10.0
+    with pytest.raises(UserError, match="at least two keyframes"):
+        rate_hz(1, 2.0)
 
 
 def test_laps_go_on_in_time_and_number() -> None:

@@ -12,6 +12,7 @@ BENCHES: Mapping[str, str] = {
     "bus": "sceneq_tools.bench.bus:bus",
     "render": "sceneq_tools.bench.render:render",
     "stages": "sceneq_tools.bench.stages:stages",
+    "stream": "sceneq_tools.bench.stream:stream",
     "laps": "sceneq_tools.bench.laps:laps",
     "query": "sceneq_tools.bench.query:query",
     "scale": "sceneq_tools.bench.scale:scale",
@@ -19,7 +20,7 @@ BENCHES: Mapping[str, str] = {
 }
 ON_REQUEST = frozenset({"link"})
 """Needs root, and minutes: only when it is named."""
-NEED_SOURCE = frozenset({"stages", "laps", "query"})
+NEED_SOURCE = frozenset({"stages", "stream", "laps", "query"})
 
 
 def load(name: str) -> Bench:

@@ -142,6 +142,12 @@ class LiveGraph:
         said = self.heard().get(node)
         return said.values.get(name) if said and said.pid == self.pids().get(node) else None
 
+    def counter(self, node: str, name: str) -> int:
+        """Return what the present process of a node has counted, 0 before it says anything."""
+        said = self.heard().get(node)
+        here = said and said.pid == self.pids().get(node)
+        return said.counters.get(name, 0) if said and here else 0
+
     def is_up(self, node: str) -> bool:
         """Whether the present process of a node has said that it is ready."""
         said = self.heard().get(node)
