@@ -4,6 +4,7 @@ With ``-n 2 --dist loadfile`` a group of files runs in one process, in the order
 other file is a group of its own. Those that take longest begin first.
 """
 
+import signal
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,6 +25,8 @@ LONG = (
     *("test_teach", "test_live_sim", "test_eval_answers", "test_bench", "test_ros"),
 )
 GROUPS = dict.fromkeys(SHARE, "room") | dict.fromkeys(DEMOS, "demo")
+signal.signal(signal.SIGINT, signal.default_int_handler)
+"""Who runs the tests may ignore Ctrl-C, and what they start would inherit that."""
 SLOW_S = 600
 """A machine may be slow, or have others at work: that is no failure."""
 
