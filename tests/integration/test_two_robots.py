@@ -1,4 +1,4 @@
-"""Two robots as processes, each with an odometry frame of its own, are aligned in one map of one room.
+"""Two robots as processes, each with an odometry frame of its own, are aligned in one map.
 
 While they do, mapping and one robot's ingest are killed: nothing that was held or mapped is lost.
 """
@@ -76,6 +76,12 @@ def visits(live: LiveGraph) -> dict[str, Any]:
     return {one["robot"]: one for one in answer["visits"]} if answer else {}
 
 
+def seen(live: LiveGraph) -> list[int]:
+    """Return the keyframes that show something."""
+    views = told(live, VIEW_SNAPSHOT)
+    return [view.seq for one in views.view_sets for view in one.views] if views else []
+
+
 def entries(store: Path) -> int:
     return SceneFolder(store / "room").facts().position
 
@@ -108,10 +114,8 @@ def test_two_robots_in_frames_of_their_own_are_aligned_in_one_map(
         assert angle_deg(T_one_other, inverse(T_OTHER_ONE)) < 0.5
 
         numbered = {visit["visit"]: robot for robot, visit in came.items()}
-        views = live.wait(lambda: told(live, VIEW_SNAPSHOT))
-        seen = [view.seq for one in views.view_sets for view in one.views]
-        assert {numbered[visit_of(seq)] for seq in seen} == {"r1", "r2"}
-        assert {seq_of(seq) for seq in seen} <= set(numbers)
+        live.wait(lambda: {numbered[visit_of(seq)] for seq in seen(live)} == {"r1", "r2"})
+        assert {seq_of(seq) for seq in seen(live)} <= set(numbers)
         live.wait(lambda: not SceneFolder(tmp_path / "maps" / "room").waiting())
     finally:
         assert live.close() == 0
