@@ -15,10 +15,15 @@ from sceneq_core.routing.scene import SceneInstance, SceneSnapshot
 
 def pose_problem(
     snapshot: SceneSnapshot, question: Question, fits: Mapping[str, Fit], top_k: int
-) -> Problem:
-    """Return the question with its ``top_k`` best targets, and as many for every anchor."""
+) -> Problem | None:
+    """Return the question with its ``top_k`` best targets, and as many for every anchor.
+
+    ``None`` when nothing in the map can be one of its anchors: then there is nothing to compare.
+    """
     phrase = question.phrase
     anchors = tuple(dict.fromkeys(words for c in phrase.constraints for words in c.things))
+    if not all(len(fits[words].order) for words in anchors):
+        return None
     chosen = [
         _candidates(snapshot, "anchor", words, fits[words], fits[words].order[:top_k])
         for words in anchors

@@ -53,7 +53,9 @@ class Judge:
         return presence * p >= self.params.min_claim
 
     def absent(self, fit: Fit) -> bool:
-        """Return whether there surely is no such thing."""
+        """Return whether there surely is no such thing: nothing that could be it is in the map."""
+        if not len(fit.order):
+            return True
         if fit.calibrated:
             likeliest = (1.0 - fit.p_null) * float(fit.p.max(initial=0.0))
             return fit.p_null >= max(self.params.min_absence, likeliest)

@@ -82,6 +82,8 @@ class Counter:
         if not question.phrase.constraints:
             return rows, {}
         problem = pose_problem(snapshot, question, fits, MAX_MATCHES)
+        if problem is None:
+            return rows[:0], {}
         holds = self._geometry.holds(_with_few_anchors(problem))
         found = [snapshot.find(instance_id) for instance_id in holds]
         rows = np.array([row for row in found if row is not None], np.int64)

@@ -19,7 +19,9 @@ TEXT = "the cup on the coffee table"
 def problem(text: str = TEXT, things=ROOM, scene=None, top_k: int = 5) -> Problem:
     brain, here = router(), (scene or furnish(things, noise=0.0)).snapshot()
     question = brain.read(text)
-    return pose_problem(here, question, brain.fits(here, question), top_k)
+    posed = pose_problem(here, question, brain.fits(here, question), top_k)
+    assert posed is not None
+    return posed
 
 
 def moved(name: str, by_m: float):

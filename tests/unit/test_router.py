@@ -276,3 +276,11 @@ def test_a_map_of_structure_alone_has_no_objects():
     known.apply_map(Revision(5, 13, 120, 9_500), walls, np.array([0.0, 0.0, 1.0]), full=False)
     assert route("couch", known.snapshot()).answer.status == "not_found"
     assert route("what is on the couch?", known.snapshot()).answer.matches == ()
+
+
+def test_what_nothing_can_be_an_anchor_of_is_not_asked_of_a_reasoner():
+    known = furnish()
+    walls = [replace(instance(i + 1, thing), role="wall") for i, thing in enumerate(ROOM)]
+    known.apply_map(Revision(5, 13, 120, 9_500), walls, np.array([0.0, 0.0, 1.0]), full=False)
+    routed = route("the wall next to the couch", known.snapshot())
+    assert (routed.answer.status, routed.enough, routed.problem) == ("not_found", True, None)
