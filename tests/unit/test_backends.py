@@ -52,7 +52,9 @@ def plugins(monkeypatch: pytest.MonkeyPatch) -> None:
     real = importlib.import_module
     monkeypatch.setattr(importlib.metadata, "entry_points", fake_entry_points)
     monkeypatch.setattr(
-        importlib, "import_module", lambda name: module if name == "a_plugin" else real(name)
+        importlib,
+        "import_module",
+        lambda name, package=None: module if name == "a_plugin" else real(name, package),
     )
     monkeypatch.setitem(BACKENDS, "tool", {})
 
