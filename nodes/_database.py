@@ -49,9 +49,10 @@ def open_to_read(path: Path, schema: int, *, alone: bool = False) -> sqlite3.Con
     with damage_named():
         mode = "rw" if alone else "ro"
         connection = sqlite3.connect(f"file:{path}?mode={mode}", uri=True, timeout=BUSY_S)
-        if alone:
-            connection.execute("PRAGMA locking_mode = EXCLUSIVE")
-        _check_header(connection, path, schema)
+        with _closed_unless_good(connection):
+            if alone:
+                connection.execute("PRAGMA locking_mode = EXCLUSIVE")
+            _check_header(connection, path, schema)
     return connection
 
 
@@ -95,17 +96,22 @@ def _opened(path: Path, tables: str, schema: int) -> sqlite3.Connection:
     connection = sqlite3.connect(
         path, timeout=BUSY_S, isolation_level=None, check_same_thread=False
     )
+    with _closed_unless_good(connection), damage_named():
+        _check_header(connection, path, schema)
+        connection.execute("PRAGMA journal_mode = WAL")
+        connection.execute("PRAGMA synchronous = NORMAL")
+        connection.execute(f"PRAGMA wal_autocheckpoint = {LOG_PAGES}")
+        _make_tables(connection, tables, schema)
+    return connection
+
+
+@contextmanager
+def _closed_unless_good(connection: sqlite3.Connection) -> Iterator[None]:
     try:
-        with damage_named():
-            _check_header(connection, path, schema)
-            connection.execute("PRAGMA journal_mode = WAL")
-            connection.execute("PRAGMA synchronous = NORMAL")
-            connection.execute(f"PRAGMA wal_autocheckpoint = {LOG_PAGES}")
-            _make_tables(connection, tables, schema)
+        yield
     except BaseException:
         connection.close()
         raise
-    return connection
 
 
 def _check_header(connection: sqlite3.Connection, path: Path, schema: int) -> None:

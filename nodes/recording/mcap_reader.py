@@ -15,7 +15,10 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 log = logging.getLogger(__name__)
 
 MAX_RECORD_BYTES = 1024**3
-BROKEN = (McapError, struct.error, zstandard.ZstdError, ValueError, EOFError, MemoryError)
+BROKEN = (
+    *(McapError, struct.error, zstandard.ZstdError, ValueError, EOFError),
+    *(MemoryError, OverflowError),  # of a size that is damaged
+)
 
 
 @dataclass(frozen=True, slots=True)

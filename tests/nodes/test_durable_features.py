@@ -19,6 +19,7 @@ from sceneq_schemas.view import ViewDelta
 
 from support.fake_bus import CONTEXT, FakeBus
 from support.killed_files import leave_as_killed
+from support.open_nodes import opened
 
 MODEL = "hash-v1"
 
@@ -47,7 +48,7 @@ class Graph:
         self.bus = FakeBus(replace(CONTEXT, store=self.store))
         self.bus.answer(VIEW_IMAGE, picture)
         self.node = Encoding(EncodingParams(encoder={"kind": "hash"}, nice=0), self.bus.context)
-        self.node.open(self.bus)
+        opened(self.node, self.bus)
 
     def kill(self) -> None:
         leave_as_killed(self.store, self.node.close)

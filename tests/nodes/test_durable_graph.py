@@ -26,6 +26,7 @@ from sceneq_schemas.topics import (
 from support.durable_map import EVERY_TIME, VIEWS, DurableMap
 from support.fake_bus import CONTEXT, FakeBus
 from support.killed_files import leave_as_killed
+from support.open_nodes import opened
 
 FRAMES = [
     (replace(frame_message(frame, "raw", "raw"), after=max(frame.seq - 1, 0)), instance)
@@ -46,7 +47,7 @@ class DurableGraph:
         for topic in (MAP_JOURNAL, MAP_SNAPSHOT):
             self.bus.answer(topic, self._asked_of_map)
         self.views = Views(ViewsParams(), self.bus.context)
-        self.views.open(self.bus)
+        opened(self.views, self.bus)
         self._heard = 0
 
     def kill(self) -> None:

@@ -29,6 +29,7 @@ from sceneq_schemas.topics import (
 
 from support.fake_bus import CONTEXT, FakeBus
 from support.killed_files import leave_as_killed
+from support.open_nodes import opened
 from support.room import Room
 from support.true_map import TrueMap, frame_of
 
@@ -63,7 +64,7 @@ class Graph:
         self.bus.answer(MAP_JOURNAL, self.journal)
         self.bus.answer(MAP_SNAPSHOT, lambda request: None)
         self.node = Views(ViewsParams(), self.bus.context)
-        self.node.open(self.bus)
+        opened(self.node, self.bus)
 
     def kill(self) -> None:
         leave_as_killed(self.store, self.node.close)

@@ -15,6 +15,7 @@ from sceneq_schemas.topics import FRAME, MAP_SNAPSHOT, MASK
 
 from support.fake_bus import CONTEXT, FakeBus
 from support.killed_files import leave_as_killed
+from support.open_nodes import opened
 from support.room import Room
 from support.surfaces import SMALL, room_frames
 
@@ -31,7 +32,7 @@ class DurableMap:
         self.bus = FakeBus(replace(CONTEXT, store=folder))
         params = {"mapper": SMALL, **params}
         self.node = Mapping(MappingParams(store=store, **params), self.bus.context)
-        self.node.open(self.bus)
+        opened(self.node, self.bus)
 
     def show(self, *numbers: int) -> "DurableMap":
         """Deliver keyframes with their masks; wait for a checkpoint if one is being written."""

@@ -13,6 +13,7 @@ from sceneq_tools.errors import UserError
 from sceneq_tools.scene_command import app
 
 from support.durable_map import EVERY_TIME, DurableMap
+from support.open_nodes import closed
 
 
 @pytest.fixture
@@ -61,7 +62,7 @@ def test_a_damaged_entry_is_found(store: Path) -> None:
 def test_a_compacted_scene_is_smaller_and_the_same(store: Path) -> None:
     before = DurableMap(store / "kitchen")
     digest = before.digest()
-    before.node.close()
+    closed(before.node.close)
     assert " MB -> " in said(store, "compact", "kitchen")
     facts = SceneFolder(store / "kitchen").facts()
     assert (facts.position, facts.first, facts.checkpoints) == (3, 0, (3,))
@@ -102,7 +103,7 @@ def test_a_scene_in_use_is_left_alone(store: Path) -> None:
         folder.compact()
     with pytest.raises(StoreError, match="another process writes here"):
         folder.delete()
-    map_.node.close()
+    closed(map_.node.close)
     assert not folder.facts().is_in_use
 
 

@@ -54,6 +54,20 @@ def run(*arguments: str) -> str:
     return done.stdout
 
 
+def test_a_certificate_says_whose_key_it_has_and_whose_key_signed_it(tmp_path: Path) -> None:
+    folder = issued(tmp_path, "client.kitchen", ())
+    made = certificate(folder)
+    authority = x509.load_pem_x509_certificate((folder / "ca.pem").read_bytes())
+    own, of_authority = (
+        one.extensions.get_extension_for_class(x509.SubjectKeyIdentifier).value.digest
+        for one in (made, authority)
+    )
+    assert own != of_authority
+    for one in (made, authority):
+        signed_by = one.extensions.get_extension_for_class(x509.AuthorityKeyIdentifier).value
+        assert signed_by.key_identifier == of_authority
+
+
 def test_a_certificate_names_its_subject_and_is_signed_by_the_authority(tmp_path: Path) -> None:
     folder = issued(tmp_path, "client.kitchen", ("robot.local", "192.168.1.20"))
     made = certificate(folder)

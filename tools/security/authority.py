@@ -34,8 +34,8 @@ class Authority:
         """Make an authority in ``folder``; raise ``FileExistsError`` when there is one."""
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         key = ec.generate_private_key(ec.SECP256R1())
-        name = _name("sceneq authority")
-        builder = _builder(name, name, key.public_key(), now, AUTHORITY_DAYS).add_extension(
+        name, public = _name("sceneq authority"), key.public_key()
+        builder = _builder(name, name, public, public, now, AUTHORITY_DAYS).add_extension(
             x509.BasicConstraints(ca=True, path_length=0), critical=True
         )
         usage = _usage(key_cert_sign=True, crl_sign=True, digital_signature=False)
@@ -80,14 +80,16 @@ class Authority:
         key = ec.generate_private_key(ec.SECP256R1())
         _write_private(folder / KEY, _key_bytes(key))
         uses = [ExtendedKeyUsageOID.CLIENT_AUTH, ExtendedKeyUsageOID.SERVER_AUTH]
+        names = _name(subject, holder), self._certificate.subject
+        keys = key.public_key(), self._key.public_key()
         builder = (
-            _builder(_name(subject, holder), self._certificate.subject, key.public_key(), now, days)
+            _builder(*names, *keys, now, days)
             .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
             .add_extension(_usage(), critical=True)
             .add_extension(x509.ExtendedKeyUsage(uses), critical=False)
         )
-        if names := [_alternative(host) for host in hosts]:
-            builder = builder.add_extension(x509.SubjectAlternativeName(names), critical=False)
+        if answering := [_alternative(host) for host in hosts]:
+            builder = builder.add_extension(x509.SubjectAlternativeName(answering), critical=False)
         certificate = builder.sign(self._key, hashes.SHA256())
         (folder / CERTIFICATE).write_bytes(_pem(certificate))
         (folder / AUTHORITY).write_bytes(_pem(self._certificate))
@@ -97,9 +99,15 @@ def _builder(
     subject: x509.Name,
     issuer: x509.Name,
     public_key: ec.EllipticCurvePublicKey,
+    signer: ec.EllipticCurvePublicKey,
     now: datetime,
     days: int,
 ) -> x509.CertificateBuilder:
+    """Return what every certificate says.
+
+    ``signer`` verifies it. Both key identifiers are demanded by RFC 5280, and by Python from 3.13.
+    """
+    signed_by = x509.AuthorityKeyIdentifier.from_issuer_public_key(signer)
     return (
         x509.CertificateBuilder()
         .subject_name(subject)
@@ -108,6 +116,8 @@ def _builder(
         .serial_number(x509.random_serial_number())
         .not_valid_before(now - CLOCK_SKEW)
         .not_valid_after(now + timedelta(days=days))
+        .add_extension(x509.SubjectKeyIdentifier.from_public_key(public_key), critical=False)
+        .add_extension(signed_by, critical=False)
     )
 
 
