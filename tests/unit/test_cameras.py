@@ -183,7 +183,7 @@ def test_what_librealsense_recorded_is_played_by_it(
     source = build("source", spec)
     source.connect(FakeBus())
     np.testing.assert_allclose(source.color_camera.K, K)
-    found, frames, deadline_s = [], source.frames(), time.monotonic() + 20.0
+    found, frames, deadline_s = [], source.frames(), time.monotonic() + 60.0
     while len(found) < least and time.monotonic() < deadline_s:
         if isinstance(frame := next(frames), RawFrame):
             found.append(frame)

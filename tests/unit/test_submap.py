@@ -84,7 +84,9 @@ def test_what_nobody_acknowledges_goes_again_at_the_next_start(tmp_path):
     submap.give_up(submap.next().seq)
     assert submap.is_over
     submap.held.close()
-    assert submap_in(tmp_path).next().seq == seq_in_scene(2, 0)
+    again = submap_in(tmp_path)
+    assert again.next().seq == seq_in_scene(2, 0)
+    again.held.close()
 
 
 def test_one_ingest_takes_a_visit_that_was_left(tmp_path):
