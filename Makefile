@@ -14,7 +14,7 @@ OUT ?= out/demo
 # The tests start hundreds of processes, and each would compile everything anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: setup furniture demo test lint site unit browser integration wheel sbom clean
+.PHONY: setup furniture demo test lint site unit browser integration wheel wheel-clean sbom clean
 
 setup: $(VENV)/.ready
 
@@ -58,6 +58,10 @@ integration: setup browser
 
 wheel: setup
 	PYTHON=$(RUN)/python .ci/wheel
+
+# The same in an empty environment, with everything from the package index.
+wheel-clean: setup
+	PYTHON=$(RUN)/python .ci/wheel --download
 
 sbom: setup
 	@mkdir -p out

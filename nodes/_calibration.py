@@ -2,7 +2,8 @@
 
 A JSON object with ``format``, ``encoder`` (the model id it was fitted for), ``temperature``,
 ``null`` (``NullParams``, or null where the data had nothing absent), ``null_described`` (the same
-for words that describe a thing, null = as for names), ``gate`` (the four thresholds),
+for words that describe a thing, null = as for names), ``sureness_described`` (of first guesses for
+such words, null = as the softmax says), ``gate`` (the four thresholds),
 ``label_set``, ``sha256`` of the data, and whatever else its writer tells.
 """
 
@@ -11,7 +12,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from sceneq_core.arrays import Float32, Float64
 from sceneq_core.checks import need_positive
@@ -20,16 +21,20 @@ from sceneq_core.encoding.usual_sizes import sized
 from sceneq_core.routing.gate import GateParams
 from sceneq_core.routing.null import NullParams
 from sceneq_core.routing.router import RouterParams
+from sceneq_core.routing.sureness import Sureness
 from sceneq_nodes._json_fields import parse
 
-FORMAT = "sceneq.calibration.v3"
+FORMAT = "sceneq.calibration.v4"
 FORMER = {
     "sceneq.calibration.v1": "knows no 'none of them'",
     "sceneq.calibration.v2": "does not tell what is named from what is described",
+    "sceneq.calibration.v3": "does not know how sure a first guess for a description is",
 }
 """Formats that are no longer read, and what they lack."""
 NO_CALIBRATION = "none"
 MAKE = "sceneq calibrate"
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +42,10 @@ class Calibration:
     """``temperature`` T of softmax(s / T), ``null`` and ``gate``, fitted for ``encoder``.
 
     ``null``: how probable "none of them" is; ``None`` = the data did not tell. ``null_described``:
-    the same where words describe a thing, ``None`` = as where they name it. ``label_set``: what
-    the words competed with. ``sha256`` names the data it was fitted on, one digest a recording.
+    the same where words describe a thing, ``None`` = as where they name it;
+    ``sureness_described``: how sure the first guess then is, ``None`` = as the softmax says.
+    ``label_set``: what the words competed with. ``sha256`` names the data it was fitted on, one
+    digest a recording.
     """
 
     encoder: str
@@ -48,18 +55,21 @@ class Calibration:
     label_set: str = ""
     sha256: tuple[str, ...] = ()
     null_described: NullParams | None = None
+    sureness_described: Sureness | None = None
 
     def __post_init__(self) -> None:
         need_positive(self, "temperature")
 
     def as_dict(self) -> dict[str, Any]:
         """Return what the file holds at least."""
+        sureness = self.sureness_described
         return {
             "format": FORMAT,
             "encoder": self.encoder,
             "temperature": self.temperature,
             "null": asdict(self.null) if self.null else None,
             "null_described": asdict(self.null_described) if self.null_described else None,
+            "sureness_described": asdict(sureness) if sureness else None,
             "gate": asdict(self.gate),
             "label_set": self.label_set,
             "sha256": list(self.sha256),
@@ -73,8 +83,13 @@ class Calibration:
 
     def of_router(self, params: RouterParams) -> RouterParams:
         """Return the parameters of a router with these thresholds and this "none of them"."""
-        judge = replace(params.judge, gate=self.gate)
-        return replace(params, judge=judge, null=self.null, null_described=self.null_described)
+        return replace(
+            params,
+            judge=replace(params.judge, gate=self.gate),
+            null=self.null,
+            null_described=self.null_described,
+            sureness_described=self.sureness_described,
+        )
 
     def of_encoder(self, encoder: Encoder) -> Encoder:
         """Return the encoder with this temperature.
@@ -141,20 +156,22 @@ def _calibration(document: Any) -> Calibration:
         encoder=encoder,
         temperature=_number(document, "temperature"),
         gate=GateParams(**_numbers(gate, GateParams, "gate.")),
-        null=_null(document, "null"),
+        null=_optional(document, "null", NullParams, "'none of them'"),
         label_set=str(document.get("label_set", "")),
         sha256=tuple(map(str, sha256)),
-        null_described=_null(document, "null_described"),
+        null_described=_optional(document, "null_described", NullParams, "'none of them'"),
+        sureness_described=_optional(document, "sureness_described", Sureness, "a first guess"),
     )
 
 
-def _null(document: Mapping[str, Any], name: str) -> NullParams | None:
-    null = document.get(name, "missing")
-    if null is None:
+def _optional(document: Mapping[str, Any], name: str, cls: type[T], of: str) -> T | None:
+    """Return the numbers of ``cls`` under a name, ``None`` for null."""
+    given = document.get(name, "missing")
+    if given is None:
         return None
-    if not isinstance(null, dict):
-        raise ValueError(f"{name}: expected the numbers of 'none of them', got {null!r}")
-    return NullParams(**_numbers(null, NullParams, f"{name}."))
+    if not isinstance(given, dict):
+        raise ValueError(f"{name}: expected the numbers of {of}, got {given!r}")
+    return cls(**_numbers(given, cls, f"{name}."))
 
 
 def _numbers(values: Mapping[str, Any], cls: type, where: str) -> dict[str, float]:

@@ -68,7 +68,8 @@ def run(
     write_json({**fitted.as_dict(), "maps": on_maps, "date": date}, file)
     typer.echo(f"T {calibration.temperature:g}, {calibration.gate}")
     typer.echo(f"named: {calibration.null}")
-    typer.echo(f"described: {calibration.null_described or 'as named'}")
+    sureness = calibration.sureness_described
+    typer.echo(f"described: {calibration.null_described or 'as named'}, {sureness or 'as it is'}")
     typer.echo(f"{calibration.name} -> {file}")
 
 

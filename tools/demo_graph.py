@@ -15,6 +15,7 @@ from sceneq_nodes._client import Client
 from sceneq_schemas.topics import HEALTH
 from sceneq_tools import scenes
 from sceneq_tools.errors import UserError
+from sceneq_tools.ports import free_port
 from sceneq_tools.status import from_health
 
 READY_S = 90.0
@@ -156,13 +157,5 @@ def _free_port() -> int:
     try:
         need_free_port(f"tcp/127.0.0.1:{DEFAULT_PORT}")
     except UserError:
-        return _any_port()
+        return free_port()
     return DEFAULT_PORT
-
-
-def _any_port() -> int:
-    import socket
-
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])

@@ -56,6 +56,7 @@ def run(
         _need_none(own | camera | {"--quality": quality != 92})
         _synth_suite(out, frames, rounds, force, quiet)
         return
+    _need_one_round(rounds)
     try:
         params = SynthParams(
             seed=seed,
@@ -97,6 +98,12 @@ def _need_none(given: "dict[str, int | bool]") -> None:
     """Refuse what the rooms of a suite decide themselves."""
     if clash := [option for option, is_given in given.items() if is_given]:
         raise UserError(f"--suite and {', '.join(clash)}: a suite says this of its rooms itself", 2)
+
+
+def _need_one_round(rounds: int) -> None:
+    """Refuse rounds of a room alone."""
+    if rounds != 1:
+        raise UserError(f"--rounds {rounds}: only with --suite, one room alone has no rounds", 2)
 
 
 def _synth_suite(out: Path, frames: int | None, rounds: int, force: bool, quiet: bool) -> None:

@@ -18,6 +18,7 @@ class JudgeParams:
     ``min_claim`` is for ``found``, that there is such a thing and that it is this one: being wrong
     costs three times what asking back does. ``min_absence`` is for ``not_found``, which also has
     to be likelier than any one thing: being wrong costs less, the matches are still there to see.
+    That an anchor is not there needs ``min_claim``.
 
     ``absent_lift`` is for encoders without a calibration: when the words fit the best instance
     less than this multiple of chance, a label picked blindly would fit better: ``not_found``.
@@ -60,6 +61,16 @@ class Judge:
             likeliest = (1.0 - fit.p_null) * float(fit.p.max(initial=0.0))
             return fit.p_null >= max(self.params.min_absence, likeliest)
         return fit.presence < self.params.absent_lift * fit.chance
+
+    def missing(self, fit: Fit) -> bool:
+        """Return whether an anchor is surely not there, so that nothing can stand by it.
+
+        Who names an anchor takes it for granted, and does not ask for it: to deny it is a claim as
+        bold as ``found``, and hides a target that may well be there.
+        """
+        if fit.calibrated and len(fit.order):
+            return fit.p_null >= max(self.params.min_claim, self.params.min_absence)
+        return self.absent(fit)
 
     def judge(self, words: str, fit: Fit, confidence: Confidence) -> tuple[str, str]:
         """Return status and reason of the encoder's own answer to ``words``."""

@@ -19,6 +19,7 @@ from sceneq_core.routing.gate import log_softmax
 from sceneq_core.routing.null import NO_EVIDENCE, Evidence, NullParams, evidence_of
 from sceneq_core.routing.question import TextTower, Wanted
 from sceneq_core.routing.scene import SceneSnapshot
+from sceneq_core.routing.sureness import Sureness
 
 VAGUE = ("object", "things", "stuff", "texture")
 """Words for anything, which always compete: with a label set of one, p would else be 1 for all.
@@ -76,16 +77,27 @@ class Likelihood:
         ceiling: float,
         null: NullParams | None = None,
         null_described: NullParams | None = None,
+        sureness_described: Sureness | None = None,
     ) -> None:
-        """``null_described`` is for words that describe, ``None`` = as for names."""
+        """``null_described`` is for words that describe, ``None`` = as for names.
+
+        So is ``sureness_described``, ``None`` = as the softmax says.
+        """
         self._vague_vectors = tower.encode(VAGUE)
         self._temperature = temperature
         self._ceiling = ceiling
         self._null = null
         self._null_described = null_described or null
+        self._sureness_described = sureness_described or Sureness()
 
     def fit(self, snapshot: SceneSnapshot, wanted: Wanted) -> Fit:
         """Return how well the words fit every instance; there must be at least one."""
+        fit = self._fit(snapshot, wanted)
+        if wanted.described and wanted.vector is not None and fit.calibrated:
+            return _as_sure(fit, self._sureness_described)
+        return fit
+
+    def _fit(self, snapshot: SceneSnapshot, wanted: Wanted) -> Fit:
         asked = list(wanted.colours)
         noun, common = self._noun_cosine(snapshot, wanted)
         colour = snapshot.columns.colour_scores
@@ -103,7 +115,8 @@ class Likelihood:
         rivals = self._rivals(snapshot, wanted, best)
         choices = 1 + rivals.shape[1]
         log_said = log_colour + fitting
-        log_name = self._log_name(noun[best], rivals, self._evidence_temperature(wanted))
+        null = self._null_of(wanted)
+        log_name = self._log_name(noun[best], rivals, self._evidence_temperature(null))
         p = np.exp(log_softmax(log_fit)) if meant.any() else np.zeros(len(meant))
         seen = evidence_of(log_name, log_said[best], float(p.max()), choices, len(order))
         kind = np.exp(log_said) * meant
@@ -115,7 +128,7 @@ class Likelihood:
             kind=kind,
             cosine=np.column_stack([noun, colour[:, asked]]).mean(axis=1).astype(np.float64),
             order=order,
-            presence=self._presence(wanted, log_name, log_said[best], seen),
+            presence=self._presence(wanted, log_name, log_said[best], seen, null),
             chance=1.0 / choices / len(COLOUR_TERMS) ** len(asked) / 2 ** len(wanted.sizes),
             evidence=seen,
             calibrated=self._null is not None,
@@ -125,6 +138,8 @@ class Likelihood:
         """Return the probability (M,) of each instance in ``rows`` that it is such a thing.
 
         A coffee table is a table, too: what labels call a kind of it counts, and competes no more.
+        That a room has something to sit on says nothing of any one thing in it: each is judged as
+        a name is, whatever the words.
         """
         colour = snapshot.columns.colour_scores
         log_colour = self._log_colours(colour, wanted)
@@ -142,14 +157,17 @@ class Likelihood:
         rivals = self._rivals(snapshot, replace(wanted, rivals=wanted.rivals & ~wanted.kinds), rows)
         kinds = snapshot.label_scores[rows][:, wanted.kinds]
         so_called = np.column_stack([noun[rows], kinds]).max(axis=1)
-        log_name = self._log_name(so_called, rivals, self._evidence_temperature(wanted))
+        log_name = self._log_name(so_called, rivals, self._evidence_temperature(self._null))
         log_said = log_said[rows]
         log_fit += log_colour
         p, sizes = np.exp(log_softmax(log_fit))[rows], (1 + rivals.shape[1], len(snapshot))
         ones = [(log_name[i : i + 1], log_said[i : i + 1]) for i in range(len(rows))]
         seen = [evidence_of(*one, float(p[i]), *sizes) for i, one in enumerate(ones)]
         return np.array(
-            [self._presence(wanted, *one, what) for one, what in zip(ones, seen, strict=True)]
+            [
+                self._presence(wanted, *one, what, self._null)
+                for one, what in zip(ones, seen, strict=True)
+            ]
         )
 
     def _log_colours(self, cosine: Float32, wanted: Wanted) -> Float64:
@@ -189,7 +207,12 @@ class Likelihood:
         )
 
     def _presence(
-        self, wanted: Wanted, log_name: Float64, log_said: Float64, seen: Evidence
+        self,
+        wanted: Wanted,
+        log_name: Float64,
+        log_said: Float64,
+        seen: Evidence,
+        null: NullParams | None,
     ) -> float:
         """Return the presence from log p of the best (M,), and the evidence in it.
 
@@ -199,7 +222,6 @@ class Likelihood:
             said = float(np.exp(log_said).max(initial=0.0))
             alone = not (wanted.colours or wanted.excluded or wanted.sizes)
             return said if alone or self._null is not None else min(said, self._ceiling)
-        null = self._null_of(wanted)
         if null is None:
             best = np.exp(log_name + log_said).max(initial=0.0)
             return min(float(best), self._ceiling)
@@ -208,8 +230,7 @@ class Likelihood:
     def _null_of(self, wanted: Wanted) -> NullParams | None:
         return self._null_described if wanted.described else self._null
 
-    def _evidence_temperature(self, wanted: Wanted) -> float:
-        null = self._null_of(wanted)
+    def _evidence_temperature(self, null: NullParams | None) -> float:
         return null.temperature if null else self._temperature
 
     def _rivals(self, snapshot: SceneSnapshot, wanted: Wanted, rows: Int64) -> Float32:
@@ -226,3 +247,10 @@ class Likelihood:
             nothing = np.zeros(len(snapshot), np.float32)
             return nothing, nothing
         return snapshot.descriptors @ wanted.vector, snapshot.columns.label_mean
+
+
+def _as_sure(fit: Fit, sureness: Sureness) -> Fit:
+    """Return a fit whose first guess, of all instances and none of them, is as sure as it is."""
+    sure = sureness.of(np.append(fit.presence * fit.p, 1.0 - fit.presence))
+    there = float(sure[:-1].sum())
+    return replace(fit, p=sure[:-1] / there if there > 0.0 else fit.p, presence=there)

@@ -66,7 +66,7 @@ class Reporter:
             return Report(kind, question, answer, exists=exists, missing=_words(question))
         if kind not in (*LISTING, EXISTS) and answer.status != NOT_FOUND:
             return Report(kind, question, answer, where=_where(snapshot, answer))
-        missing = next((words for words, fit in fits.items() if self._judge.absent(fit)), None)
+        missing = self._missing(question, fits)
         tally = (
             self._counter.count(snapshot, question, fits) if kind in (*LISTING, EXISTS) else None
         )
@@ -77,17 +77,34 @@ class Reporter:
             question=question,
             answer=answer,
             tally=tally if missing is None else NOTHING,
-            exists=self._existence(tally, missing, fits) if tally and kind == EXISTS else "",
+            exists=self._existence(question, tally, missing, fits)
+            if tally and kind == EXISTS
+            else "",
             where=_where(snapshot, answer),
             missing="" if missing is None else missing or "thing",
         )
 
-    def _existence(self, tally: Tally, missing: str | None, fits: Mapping[str, Fit]) -> str:
-        """One thing alone may surely be there though it is not sure which instance it is."""
+    def _missing(self, question: Question, fits: Mapping[str, Fit]) -> str | None:
+        """Return what is surely not there of all that is spoken of."""
+        target = question.phrase.target
+        for words, fit in fits.items():
+            if self._judge.absent(fit) if words == target else self._judge.missing(fit):
+                return words
+        return None
+
+    def _existence(
+        self, question: Question, tally: Tally, missing: str | None, fits: Mapping[str, Fit]
+    ) -> str:
+        """One thing alone may surely be there though it is not sure which instance it is.
+
+        Not where it is described: that rooms have things to sit on says little of this one.
+        """
         alone = len(fits) == 1
         if missing is not None:
             return NO
-        if tally.sure or (alone and all(self._judge.claims(f.presence) for f in fits.values())):
+        target = question.phrase.target
+        there = alone and not question.wanted[target].described
+        if tally.sure or (there and self._judge.claims(fits[target].presence)):
             return YES
         return UNSURE if tally.possible or alone else NO
 

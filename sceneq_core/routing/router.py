@@ -32,6 +32,7 @@ from sceneq_core.routing.picture import PictureMatcher
 from sceneq_core.routing.question import Question, Reader, TextTower
 from sceneq_core.routing.report import Reporter
 from sceneq_core.routing.scene import SceneSnapshot
+from sceneq_core.routing.sureness import Sureness
 from sceneq_core.routing.tally import Counter
 
 
@@ -41,12 +42,14 @@ class RouterParams:
 
     ``synonym_cosine``: labels whose text is this close to the words mean the same thing and do
     not compete with them. ``null``: how probable "none of them" is; a calibration knows.
-    ``null_described``: the same where words describe a thing rather than name it, ``None`` = alike.
+    ``null_described``: the same where words describe a thing rather than name it, ``None`` = alike;
+    ``sureness_described``: how sure the first guess then is, ``None`` = as the softmax says.
     """
 
     judge: JudgeParams = field(default_factory=JudgeParams)
     null: NullParams | None = None
     null_described: NullParams | None = None
+    sureness_described: Sureness | None = None
     top_k: int = 10
     synonym_cosine: float = 0.8
 
@@ -100,7 +103,7 @@ class Router:
         self.namer = Namer(labeller, self._judge, encoder.temperature, params.top_k)
         self.other_labels = OtherLabels(self.namer, encoder)
         self._reader = Reader(tower, labeller, params.synonym_cosine)
-        nulls = params.null, params.null_described
+        nulls = params.null, params.null_described, params.sureness_described
         self._likelihood = Likelihood(tower, encoder.temperature, encoder.ceiling, *nulls)
         counter = Counter(self._likelihood, params.judge.min_claim)
         self.pictures = PictureMatcher(labeller, self._judge, encoder.temperature)
@@ -213,7 +216,7 @@ class Router:
         """
         target, constraints = question.phrase.target, question.phrase.constraints
         for words in (words for c in constraints for words in c.things):
-            if self._judge.absent(fits[words]):
+            if self._judge.missing(fits[words]):
                 return NOT_FOUND, absence(words, fits[words])
         status, reason = self._judge.judge(target or "anything", fits[target], confidence)
         if given is not None:

@@ -150,6 +150,8 @@ def _nothing(report: Report) -> str:
     wanted = report.missing or described(phrase)
     if report.best is None or (report.missing and report.missing != phrase.target):
         return f"There is no {wanted}."
+    if report.best.instance.label.name == wanted:
+        return f"There is probably no {wanted}; {_at(report)} is a doubtful one."
     return f"There is no {wanted}; the nearest miss is {_at(report)}."
 
 

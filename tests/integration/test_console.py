@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from playwright.sync_api import Browser, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
 from support.live_graph import LiveGraph
 from support.shared_room import SharedRoom
@@ -137,12 +137,23 @@ def test_no_answer_is_said(page: Page) -> None:
     expect(page.locator(".card .said").first).to_have_text("nobody answers answer")
 
 
-def test_a_node_is_seen_to_hang_and_to_come_back(live: LiveGraph, page: Page) -> None:
+def test_a_node_is_seen_to_die_to_hang_and_to_come_back(page: Page) -> None:
     node = page.locator("#nodes li", has_text="segmentation")
+    os.kill(process_of(node), signal.SIGKILL)
+    expect(node).to_contain_text("restarted once")  # it may be back before it is missed
     expect(node).to_have_class("")
-    os.kill(live.pids()["segmentation"], signal.SIGSTOP)
+    os.kill(process_of(node), signal.SIGSTOP)
     expect(node).to_have_class("gone")
-    expect(node).to_have_class("")  # the watchdog has replaced it
+    expect(node).to_contain_text("restarted 2 times")  # the watchdog has replaced it
+    expect(node).to_have_class("")
+
+
+def process_of(node: Locator) -> int:
+    """Return the process whose heartbeat the page heard last."""
+    expect(node).to_have_class("")
+    found = re.search(r"\(process (\d+)\)", node.get_attribute("title") or "")
+    assert found is not None
+    return int(found[1])
 
 
 def test_the_connection_is_lost_and_found_again(live: LiveGraph, page: Page) -> None:

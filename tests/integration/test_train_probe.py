@@ -1,26 +1,52 @@
-"""``sceneq train-probe`` teaches the embedded encoder the things of a recording."""
+"""``sceneq portraits`` and ``sceneq train-probe`` teach the embedded encoder names of things.
 
-from pathlib import Path
+Typed as the records of decisions have them, with what support/command_ways.py says behind them, on
+one room and on portraits of the one model of a library.
+"""
+
+import re
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from sceneq_nodes._backends import build
 from sceneq_nodes._probe_file import HOUSEHOLD, read_probe
-from sceneq_tools.cli import app
+from sceneq_tools.room.models.libraries import FOLDER_VARIABLE
+from sceneq_tools.room.portrait.album import pages
 
+from support.command_ways import row_of, shortened
+from support.furniture import CATALOGUE, write_library
 from support.questioned import write_questioned
+from support.reader import Reader
+
+PROBE = "nodes/household_probe.npz"
+WITH_A_SOFA = CATALOGUE.replace("Test#stool", "Scopia#simple_sofa")
 
 pytestmark = pytest.mark.integration
 
 
-def test_what_was_taught_can_be_asked(tmp_path: Path) -> None:
-    room, probe = write_questioned(tmp_path / "room"), tmp_path / "taught" / "probe.npz"
-    options = ["--out", str(probe), "--rounds", "3", "--quiet"]
-    done = CliRunner().invoke(app, ["train-probe", str(room), *options])
-    assert (done.exit_code, done.exception) == (0, None)
-    assert done.stdout.endswith(f"-> {probe}\n")
+@pytest.fixture
+def reader(tmp_path_factory: pytest.TempPathFactory) -> Reader:
+    """A person with a room of `sceneq synth`."""
+    folder = tmp_path_factory.mktemp("taught")
+    write_questioned(folder / "rooms" / "room")
+    return Reader(folder, folder)
+
+
+def typed(reader: Reader, pattern: str) -> str:
+    """Type the documented command that matches; return what it printed."""
+    (command,) = (one for one in shortened(__file__) if re.match(pattern, one.text))
+    return reader.succeeds(command.text, *row_of(command).more.split(), "--quiet").printed
+
+
+def test_every_command_is_typed_here() -> None:
+    assert len(shortened(__file__)) == 3
+
+
+def test_what_was_taught_can_be_asked(reader: Reader) -> None:
+    printed = typed(reader, r"sceneq train-probe rooms/\* --out")
+    assert printed.endswith(f"-> {PROBE}\n")
+    probe = reader.folder / PROBE
     file = read_probe(probe)
     names = file.lessons.probe.names
     assert {"ball", "box", "table"} <= set(names)
@@ -34,3 +60,18 @@ def test_what_was_taught_can_be_asked(tmp_path: Path) -> None:
     assert sizes[names.index("table"), 0] > sizes[names.index("ball"), 0]
     assert len(file.taught_with) == 16
     assert np.linalg.norm(ball) == pytest.approx(1, abs=1e-5)
+
+
+def test_portraits_teach_beside_rooms(reader: Reader, monkeypatch: pytest.MonkeyPatch) -> None:
+    furniture = reader.folder / "furniture"
+    furniture.mkdir()
+    write_library(furniture, catalogue=WITH_A_SOFA)
+    monkeypatch.setenv(FOLDER_VARIABLE, str(furniture))
+    taken = re.match(r"(\d+) portraits of 1 rooms", typed(reader, "sceneq portraits"))
+    assert taken is not None
+    portraits = list(pages(reader.folder / "portraits"))
+    assert len(portraits) == int(taken[1]) > 0
+    assert {one.name for one in portraits} == {"sofa"}
+    typed(reader, r"sceneq train-probe rooms/\* portraits portraits")
+    names = read_probe(reader.folder / PROBE).lessons.probe.names
+    assert {"ball", "table", "sofa"} <= set(names)

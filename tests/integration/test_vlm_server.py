@@ -2,7 +2,6 @@
 
 import importlib.util
 import os
-import socket
 import subprocess
 import sys
 import time
@@ -13,6 +12,7 @@ import pytest
 from sceneq_core.reasoning.reasoner import UnansweredError
 from sceneq_nodes._backends import build
 
+from support.live_graph import free_port
 from support.seen_things import keyframe, what_is_it, which_mug
 from support.tiny_llava import write_tiny_llava
 
@@ -57,12 +57,6 @@ def server(tmp_path_factory):
     finally:
         process.kill()
         process.wait()
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 def wait_until_healthy(process, url, log):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
-from support.documents import ROOT, Command
+from support.documents import ROOT, Command, commands, pages
 
 
 class Way(Enum):
@@ -16,17 +16,21 @@ class Way(Enum):
     STAYS = "started, waited for, ended by Ctrl-C"
     STORY = "part of a story of several commands, each run in it"
     ELSEWHERE = "run by another test, which is named"
-    PARSED = "read by our command line, not run: it takes too long, and parts of it run elsewhere"
+    SHORTENED = "typed with more options, which make it short, by the test that is named"
     MAKE = "make -n: make itself runs in CI"
 
 
 @dataclass(frozen=True)
 class Row:
-    """``pattern`` finds commands; ``detail`` is the test, or the reason."""
+    """``pattern`` finds commands; ``detail`` is the test, or the reason.
+
+    ``more``: what is typed behind a command so that it takes seconds.
+    """
 
     pattern: str
     way: Way
     detail: str = ""
+    more: str = ""
 
 
 ROWS = (
@@ -61,24 +65,45 @@ ROWS = (
     Row(r"sceneq export \S+( |$)(?!.*--from)", Way.BESIDE),
     Row(r"(zenoh|curl) ", Way.BESIDE),
     Row(r"sceneq bench --help", Way.ALONE),
-    Row(r"sceneq bench\b", Way.PARSED, "integration/test_bench.py"),
-    Row(r"sceneq chaos (--short|fuzz)", Way.ELSEWHERE, "integration/test_chaos.py"),
-    Row(r"sceneq chaos\b", Way.PARSED, "integration/test_chaos.py"),
+    # minutes of samplings, hundreds of keyframes: asserted is what is measured, not how fast it is
+    Row(r"sceneq bench\b", Way.SHORTENED, "integration/test_bench.py", "--frames 4 --seconds 0.02"),
+    # ten minutes, a million inputs: all decoders, and the short list of faults
+    Row(r"sceneq chaos fuzz", Way.SHORTENED, "integration/test_chaos.py", "--short --count 730"),
+    Row(r"sceneq chaos\b", Way.SHORTENED, "integration/test_chaos.py", "--short"),
     Row(r"sceneq synth .*--suite", Way.ALONE),
-    Row(r"sceneq (portraits|train-probe)\b", Way.PARSED, "integration/test_train_probe.py"),
+    # an hour of portraits and of lessons
+    Row(
+        *(r"sceneq portraits\b", Way.SHORTENED, "integration/test_train_probe.py"),
+        more="--rooms 1 --models 2 --views 1",
+    ),
+    Row(r"sceneq train-probe\b", Way.SHORTENED, "integration/test_train_probe.py", "--rounds 3"),
     Row(r"sceneq (map|export|import|scene|eval|calibrate|calibrate-names)\b", Way.ALONE),
 )
 
 
 def row_of(command: Command) -> Row:
     """Return how a command is run; raise ``LookupError`` where nobody has said."""
-    text = command.text.split("  #")[0].rstrip()
     for row in ROWS:
-        if re.match(row.pattern, text, re.S):
+        if re.match(row.pattern, _bare(command), re.S):
             return row
     raise LookupError(f"{command.where}: nobody has said how to run {command.text!r}")
 
 
-def elsewhere(row: Row) -> Path:
-    """Return the test that a row names."""
-    return ROOT / "tests" / row.detail
+def shortened(test: str) -> list[Command]:
+    """Return the commands that a test types with more behind them; each once.
+
+    ``test``: its file, as it calls itself.
+    """
+    name = Path(test).resolve().relative_to(ROOT / "tests").as_posix()
+    typed = (command for page in pages() for command in commands(page))
+    found = (c for c in typed if row_of(c) in _rows_of(Way.SHORTENED, name))
+    return list({_bare(command): command for command in found}.values())
+
+
+def _bare(command: Command) -> str:
+    """Return a command without the remark behind it."""
+    return command.text.partition("  #")[0].rstrip()
+
+
+def _rows_of(way: Way, name: str) -> list[Row]:
+    return [row for row in ROWS if row.way is way and row.detail == name]

@@ -64,8 +64,8 @@ ONLY = {
 
 The first key that stands in the command counts. All nodes together run in the other tests.
 """
-OUTSIDE = ("sceneq replay",)
-"""Commands of ours that end their process themselves, as nodes do."""
+OUTSIDE = ("sceneq replay", "sceneq chaos")
+"""Commands of ours that end their process themselves, as nodes do, or have signals of their own."""
 ASKS = r"sceneq (ask|status|view|teach|forget|export|replay|record|trace|metrics|sim) ?"
 """Commands with ``--connect``."""
 
@@ -120,6 +120,7 @@ class Reader:
     here: dict[str, str] = field(default_factory=dict)
     done: dict[str, Done] = field(default_factory=dict)
     started: set[str] = field(default_factory=set)
+    patience_s: float = PATIENCE_S
 
     def read(self, text: str) -> str:
         """Return a command with its stand-ins."""
@@ -197,7 +198,7 @@ class Reader:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            timeout=PATIENCE_S,
+            timeout=self.patience_s,
             check=False,
         )
         return Done(done.returncode, done.stdout)

@@ -30,6 +30,7 @@ from sceneq_tools.bench.measurement import (
     samples_ms,
 )
 from sceneq_tools.bench.query_feeder import options_from, text_from
+from sceneq_tools.bench.recording import first_frames
 from sceneq_tools.bench.reference import fixed_work, fixed_work_ms
 from sceneq_tools.bench.stopwatch import Stopwatch
 from sceneq_tools.bench.stream import rate_hz
@@ -37,6 +38,7 @@ from sceneq_tools.errors import UserError
 
 from support.fake_bus import FakeBus
 from support.messages import EXAMPLES
+from support.recording import write_recording
 
 BRIEF = Options(seconds=0.001, quiet=True)
 Outcome = tuple[int, str, str]
@@ -172,6 +174,26 @@ def test_the_first_keyframe_starts_the_clock() -> None:
     assert rate_hz(21, 2.0) == 10.0
     with pytest.raises(UserError, match="at least two keyframes"):
         rate_hz(1, 2.0)
+
+
+def test_processes_are_given_the_first_frames_only(tmp_path: Path) -> None:
+    room = write_recording(tmp_path / "room", frames=4)
+    with first_frames(Options(room)) as options:
+        assert options.source == room
+    with first_frames(Options(room, frames=2)) as options:
+        assert options.source is not None
+        assert options.source.name == "room"
+        names = {path.name for path in options.source.iterdir()}
+        assert {name[:12] for name in names if name.startswith("frame")} == {
+            "frame-000000",
+            "frame-000001",
+        }
+        assert "camera-intrinsics.txt" in names
+    with (
+        pytest.raises(UserError, match=r"--frames: .*no frames"),
+        first_frames(Options(tmp_path, frames=2)),
+    ):
+        pass
 
 
 def test_laps_go_on_in_time_and_number() -> None:

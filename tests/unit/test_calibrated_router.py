@@ -2,12 +2,15 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from sceneq_core.reasoning.reasoner import Verdict
 from sceneq_core.routing.judge import JudgeParams
 from sceneq_core.routing.null import NullParams
 from sceneq_core.routing.router import Router, RouterParams
+from sceneq_core.routing.saying import say
+from sceneq_core.routing.sureness import Sureness
 
 from support.furnished import ids, router, snapshot
 
@@ -53,6 +56,33 @@ def test_words_that_describe_have_a_none_of_them_of_their_own():
     assert name == route("aquarium").answer
 
 
+def test_words_that_describe_have_a_sureness_of_their_own():
+    described = replace(NULL, name=0.0, bias=3.0)
+    usual = RouterParams(null=NULL, null_described=described)
+    surer = router(replace(usual, sureness_described=Sureness(slope=1.5, shift=1.0)))
+    before, after = (route("a place to drink", r).answer for r in (router(usual), surer))
+    was, now = before.confidence, after.confidence
+    assert np.log(now.p_max / (1 - now.p_max)) == pytest.approx(
+        1.5 * np.log(was.p_max / (1 - was.p_max)) + 1.0
+    )
+    assert [m.instance.instance_id for m in after.matches] == [
+        m.instance.instance_id for m in before.matches
+    ]
+    assert sum(match.p for match in after.matches) + now.p_null == pytest.approx(1)
+    assert after.presence == pytest.approx(1 - now.p_null)
+    assert route("lamp", surer).answer == route("lamp", router(usual)).answer
+
+
+def test_each_thing_of_a_description_is_judged_by_itself():
+    asked = router(RouterParams(null=NULL, null_described=replace(NULL, name=0.0, bias=5.0)))
+    question = asked.read("things to drink from")
+    routed = asked.answer(SURE, question)
+    assert routed.answer.confidence.p_null < 0.1  # it is sure that there is something
+    count = asked.reporter.report("count", SURE, question, routed.answer, routed.fits)
+    exists = asked.reporter.report("exists", SURE, question, routed.answer, routed.fits)
+    assert (count.tally.sure, exists.exists) == ((), "unsure")
+
+
 def test_which_of_several_is_asked_back():
     answer = route("chair").answer
     assert answer.status == "ambiguous"
@@ -85,6 +115,29 @@ def test_a_missing_anchor_makes_none_of_them_likely():
     assert answer.status == "not_found"
     assert "there is no 'aquarium'" in answer.reason
     assert answer.p_right == pytest.approx(route("aquarium").answer.confidence.p_null)
+
+
+def test_an_anchor_is_denied_only_as_boldly_as_a_thing_is_found():
+    shy = calibrated(NullParams(0.1, 0.0, 0.0, 0.0, bias=-0.3))  # none of anything: 0.57
+    assert route("aquarium", shy).answer.status == "not_found"
+    assert route("anything on the aquarium", shy).answer.status == "ambiguous"
+    bold = calibrated(NullParams(0.1, 0.0, 0.0, 0.0, bias=-0.3), min_claim=0.55)
+    answer = route("anything on the aquarium", bold).answer
+    assert (answer.status, answer.reason) == ("not_found", "there is no 'aquarium' with p 0.57")
+
+
+def test_what_is_called_so_but_denied_is_said_to_be_doubtful():
+    lamp, aquarium = said("lamp"), said("aquarium")
+    assert lamp.startswith("There is probably no lamp; the lamp (16) ")
+    assert lamp.endswith(" is a doubtful one.")
+    assert aquarium.startswith("There is no aquarium; the nearest miss is the ")
+
+
+def said(words):
+    shy = calibrated(NullParams(0.1, 0.0, 0.0, 0.0, bias=-1.5))
+    question = shy.read(words)
+    routed = shy.answer(SURE, question)
+    return say(shy.reporter.report("which", SURE, question, routed.answer, routed.fits), 0)
 
 
 def test_anything_is_always_there_and_a_colour_may_not_be():

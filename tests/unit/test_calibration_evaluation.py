@@ -148,7 +148,23 @@ def test_fitting_makes_what_it_fits_better(task):
     assert fitted.after.routing.f1.f1 >= fitted.before.routing.f1.f1
     assert fitted.after.temperature == fitted.calibration.temperature
     assert fitted.calibration.sha256 == ("f" * 64,)
+    assert fitted.calibration.sureness_described is None  # nothing is described
     json.dumps(fitted.as_dict())
+
+
+def test_descriptions_in_vain_count_as_one_question_together():
+    things = tuple(replace(thing, affordances=("sit",)) for thing in THINGS)
+    asked = (*QUERIES, Query("something to sit on", "affordance", frozenset(ids("chair"))))
+    scenes = [Scene(Questioned(Path("room"), things, asked, "f" * 64), HERE)]
+    counted = calibration_fit._counted(scenes, setup())
+    vain = [one.count for one in counted if one.described and not one.present]
+    assert len(vain) > 10
+    assert sum(vain) == pytest.approx(1.0)
+    named = [one for one in counted if not one.described]
+    assert sum(one.count for one in named if not one.present) == pytest.approx(1.0)  # aquarium
+    fitted = fit(scenes, setup(), QUESTIONS).calibration
+    assert fitted.null_described is not None
+    assert fitted.sureness_described is not None
 
 
 def test_the_temperature_is_the_least_of_a_scan():

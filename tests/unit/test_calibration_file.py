@@ -11,6 +11,7 @@ from sceneq_core.routing.gate import GateParams
 from sceneq_core.routing.labels import custom, named
 from sceneq_core.routing.null import NullParams
 from sceneq_core.routing.router import RouterParams
+from sceneq_core.routing.sureness import Sureness
 from sceneq_nodes._calibration import Calibration, read_calibration
 from sceneq_nodes._new_router import new_router
 
@@ -19,7 +20,11 @@ from support.furnished import WordEncoder, snapshot
 GATE = GateParams(min_p=0.4, min_margin=0.1, max_entropy_norm=0.6, clear_margin=0.3)
 NULL = NullParams(temperature=0.05, name=1.0, said=0.5, standing=2.0, bias=-3.0)
 DESCRIBED = NullParams(temperature=0.1, name=0.2, said=0.0, standing=0.5, bias=1.0)
-CALIBRATION = Calibration("words", 0.07, GATE, NULL, "scannet200", ("a" * 64,), DESCRIBED)
+SURENESS = Sureness(slope=0.7, shift=0.2)
+CALIBRATION = Calibration("words", 0.07, GATE, NULL, "scannet200", ("a" * 64,), DESCRIBED, SURENESS)
+
+
+NEWEST = ("sureness_described",)
 
 
 @pytest.fixture(autouse=True)
@@ -36,7 +41,7 @@ def write(folder: Path, document: object) -> Path:
 def test_what_is_written_is_read_again(tmp_path):
     document = {**CALIBRATION.as_dict(), "date": "today", "recordings": ["room"]}
     assert read_calibration(write(tmp_path, document)) == CALIBRATION
-    nothing_absent = replace(CALIBRATION, null=None, null_described=None)
+    nothing_absent = replace(CALIBRATION, null=None, null_described=None, sureness_described=None)
     assert read_calibration(write(tmp_path, nothing_absent.as_dict())) == nothing_absent
 
 
@@ -45,11 +50,12 @@ def test_the_name_tells_the_encoder_and_changes_with_every_number():
         replace(CALIBRATION, temperature=0.08),
         replace(CALIBRATION, null=None),
         replace(CALIBRATION, null_described=None),
+        replace(CALIBRATION, sureness_described=None),
         replace(CALIBRATION, gate=GateParams()),
         replace(CALIBRATION, sha256=("b" * 64,)),
     )
     names = {one.name for one in (CALIBRATION, *others)}
-    assert len(names) == 6
+    assert len(names) == 7
     assert all(len(name) == len("words:12345678") for name in names)
     assert all(name.startswith("words:") for name in names)
 
@@ -57,8 +63,9 @@ def test_the_name_tells_the_encoder_and_changes_with_every_number():
 @pytest.mark.parametrize(
     ("version", "missing", "lacks"),
     [
-        ("v1", ("null", "null_described"), "knows no 'none of them'"),
-        ("v2", ("null_described",), "does not tell what is named from what is described"),
+        ("v1", ("null", "null_described", *NEWEST), "knows no 'none of them'"),
+        ("v2", ("null_described", *NEWEST), "does not tell what is named from what is described"),
+        ("v3", NEWEST, "does not know how sure a first guess for a description is"),
     ],
 )
 def test_files_of_former_formats_are_refused_with_what_to_do(tmp_path, version, missing, lacks):
@@ -82,6 +89,9 @@ def test_files_of_former_formats_are_refused_with_what_to_do(tmp_path, version, 
         ({"null": {**CALIBRATION.as_dict()["null"], "said": -1.0}}, "said: must be at least 0"),
         ({"null_described": []}, "null_described: expected the numbers"),
         ({"null_described": {"temperature": 0.1}}, r"null_described\.name: expected a number"),
+        ({"sureness_described": 1}, "sureness_described: expected the numbers of a first guess"),
+        ({"sureness_described": {"slope": 1}}, r"sureness_described\.shift: expected a number"),
+        ({"sureness_described": {"slope": -1, "shift": 0}}, "slope: must be at least 0"),
         ({"gate": []}, "gate"),
         ({"gate": {"min_p": 0.5}}, r"gate\.min_margin"),
         ({"gate": {**CALIBRATION.as_dict()["gate"], "min_p": 1.5}}, "min_p"),
@@ -107,7 +117,7 @@ def test_a_file_that_is_missing_or_no_object_is_named(tmp_path):
 def test_the_router_takes_temperature_and_thresholds():
     router = new_router(WordEncoder(), named("scannet200"), RouterParams(), CALIBRATION)
     assert (router.params.judge.gate, router.params.null) == (GATE, NULL)
-    assert router.params.null_described == DESCRIBED
+    assert (router.params.null_described, router.params.sureness_described) == (DESCRIBED, SURENESS)
     assert router.calibration == CALIBRATION.name
     confidence = router.answer(snapshot(), router.read("lamp")).answer.confidence
     assert confidence.temperature == router.labeller.temperature == 0.07

@@ -164,3 +164,10 @@ def test_the_command_makes_eight_rooms_once(
     assert len(recordings_of([tmp_path / "rooms"])) == 8
     done = CliRunner().invoke(app, [*arguments, "--seed", "3", "--clean"])
     assert "--suite and --seed, --clean" in str(done.exception)
+
+
+def test_a_room_alone_has_no_rounds(tmp_path: Path) -> None:
+    done = CliRunner().invoke(app, ["synth", str(tmp_path / "room"), "--rounds", "2"])
+    assert isinstance(done.exception, UserError)
+    assert str(done.exception) == "--rounds 2: only with --suite, one room alone has no rounds"
+    assert not (tmp_path / "room").exists()

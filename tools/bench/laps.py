@@ -16,7 +16,7 @@ from sceneq_schemas.topics import FRAME, MASK
 from sceneq_tools.batch import INGEST, Batch
 from sceneq_tools.bench.lapping import HEADER, MAPPING
 from sceneq_tools.bench.measurement import Measurement, Options, median
-from sceneq_tools.bench.recording import open_plan, play, replace_params
+from sceneq_tools.bench.recording import first_frames, open_plan, play, replace_params
 from sceneq_tools.errors import UserError
 from sceneq_tools.graph_plan import Plan
 from sceneq_tools.progress import progress
@@ -57,8 +57,9 @@ class Kept:
 
 def laps(options: Options) -> Iterator[Measurement]:
     """Map the recording again and again, as if the camera went on along the same path."""
-    plan = open_plan(options)
-    kept = keyframes_of(plan, options)
+    with first_frames(options) as shortened:
+        plan = open_plan(shortened)
+        kept = keyframes_of(plan, shortened)
     count = len(kept.masks)
     if not count:
         raise UserError("no keyframes in the recording", 2)

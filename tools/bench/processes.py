@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from sceneq_nodes._client import Client
-from sceneq_tools.doctor.network import free_port
+from sceneq_tools.ports import free_port
 
 STOP_S = 5.0
 CONNECT_S = 10.0

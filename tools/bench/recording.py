@@ -1,15 +1,22 @@
 """A recording run through the nodes in this process, for the benches that need a map."""
 
-from collections.abc import Mapping
+import re
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
+from sceneq_nodes._frame_files import FrameFiles
 from sceneq_tools import playing
 from sceneq_tools.batch import ENCODING, Batch
 from sceneq_tools.bench.measurement import Options
 from sceneq_tools.errors import UserError
 from sceneq_tools.graph import GraphNode
 from sceneq_tools.graph_plan import Plan
+
+FRAME = re.compile(r"frame-(\d+)\.")
 
 
 def open_batch(options: Options) -> Batch:
@@ -41,6 +48,35 @@ def open_plan(options: Options) -> Plan:
     if options.source is None:
         raise UserError("a folder of frames is needed: --source FOLDER", 2)
     return map_plan(options.source, options.graph)
+
+
+@contextmanager
+def first_frames(options: Options) -> Iterator[Options]:
+    """Yield options with a source of ``options.frames`` frames, for who plays all there are.
+
+    Raises:
+        UserError: the source is no folder of frames that could be shortened.
+    """
+    if options.frames is None or options.source is None:
+        yield options
+        return
+    with tempfile.TemporaryDirectory(prefix="sq") as folder:
+        short = Path(folder) / options.source.resolve().name
+        short.mkdir()
+        _link_frames(options.source.resolve(), short, options.frames)
+        yield replace(options, source=short)
+
+
+def _link_frames(source: Path, short: Path, frames: int) -> None:
+    """Fill ``short`` with links to the files of the first frames, and to those of no frame."""
+    try:
+        kept = set(FrameFiles(source).numbers[:frames])
+    except ValueError as error:
+        raise UserError(f"--frames: {error}", 2) from error
+    for path in source.iterdir():
+        number = FRAME.match(path.name)
+        if number is None or int(number[1]) in kept:
+            (short / path.name).symlink_to(path)
 
 
 def play(batch: Batch, options: Options) -> int:

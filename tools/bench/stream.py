@@ -10,7 +10,7 @@ from time import perf_counter
 from sceneq_schemas.topics import MAP_DELTA, VIEW_DELTA
 from sceneq_tools.batch import INGEST, Batch
 from sceneq_tools.bench.measurement import Measurement, Options
-from sceneq_tools.bench.recording import open_plan, play, replace_params
+from sceneq_tools.bench.recording import first_frames, open_plan, play, replace_params
 from sceneq_tools.chaos.live_graph import LiveGraph
 from sceneq_tools.errors import UserError
 from sceneq_tools.graph_plan import Plan
@@ -27,12 +27,13 @@ def stream(options: Options) -> Iterator[Measurement]:
     """Run the recording as fast as it goes, as processes and beside that in this one.
 
     Raises:
-        UserError: a recording of less than two keyframes.
+        UserError: a recording of less than two keyframes, or one that cannot be shortened.
     """
-    plan = open_plan(options)
-    nodes = tuple(node for node in plan.nodes if node.node_kind in NODES)
-    alone_hz = _alone_hz(_with_ingest(replace(plan, nodes=nodes), AT_ONCE_HZ), options)
-    value_hz = _processes_hz(_with_ingest(replace(plan, nodes=nodes), 0.0))
+    with first_frames(options) as shortened:
+        plan = open_plan(shortened)
+        nodes = tuple(node for node in plan.nodes if node.node_kind in NODES)
+        alone_hz = _alone_hz(_with_ingest(replace(plan, nodes=nodes), AT_ONCE_HZ), shortened)
+        value_hz = _processes_hz(_with_ingest(replace(plan, nodes=nodes), 0.0))
     yield Measurement(f"keyframes, {len(nodes)} processes", value_hz, "/s", BESIDE, alone_hz)
 
 

@@ -1,18 +1,17 @@
 """`sceneq up` on a recording as a process, on a port of its own, and a client beside it."""
 
-import contextlib
-import itertools
 import json
 import os
 import re
 import signal
-import socket
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
+
+from sceneq_tools.ports import free_port
 
 if TYPE_CHECKING:
     from sceneq_nodes._client import Client
@@ -23,8 +22,6 @@ PATIENCE_S = 240.0
 STOP_S = 60.0
 POLL_S = 0.1
 CONNECT_S = 10.0
-FIRST_PORT, PORTS = 20_000, 12_000
-"""Below those that the system gives away by itself."""
 BEGUN = ("playing", "ending", "finished")
 TOLD = {"map": "mapping", "views": "views", "features": "encoding"}
 """What is told from node to node as changes, and by whom: each reports how far it is."""
@@ -225,22 +222,6 @@ class LiveGraph:
 def run(*command: str) -> "subprocess.CompletedProcess[str]":
     """Run a command and return what it printed."""
     return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
-
-
-def free_port() -> int:
-    """Return a TCP port that nobody has, and that this process has not been given before.
-
-    Not one of those that the system chooses: whoever connects might get it meanwhile.
-    """
-    while True:
-        port = FIRST_PORT + next(_PORTS) % PORTS
-        with socket.socket() as probe, contextlib.suppress(OSError):
-            probe.bind(("127.0.0.1", port))
-            return port
-
-
-_PORTS = itertools.count(64 * os.getpid())
-"""Processes that run side by side begin apart."""
 
 
 def _connected(client: "type[Client]", endpoint: str) -> "Client | None":

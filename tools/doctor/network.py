@@ -1,6 +1,5 @@
 """Ports, and whether a message comes through."""
 
-import socket
 import statistics
 import threading
 import time
@@ -8,6 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from sceneq_tools.doctor.finding import Finding, ok, problem, warning
+from sceneq_tools.ports import free_port
 
 DEFAULT_PORT = 7447
 LISTENING = "0A"
@@ -67,13 +67,6 @@ def port_holder(port: int, processes: Path = Path("/proc")) -> str | None:
             command = b" ".join(words).decode(errors="replace").strip()
             return f"{command} (pid {process.name})"
     return "a process of another user"
-
-
-def free_port() -> int:
-    """Return a port that nobody listens on."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def round_trip() -> Finding:

@@ -12,8 +12,10 @@ import numpy as np
 from sceneq_core.evaluation.gate_tuning import tune_gate
 from sceneq_core.evaluation.null_fit import fit_null
 from sceneq_core.evaluation.proper_scores import log_loss
+from sceneq_core.evaluation.sureness_fit import fit_sureness
 from sceneq_core.evaluation.temperature import fit_temperature
 from sceneq_core.routing.null import Evidence, NullParams
+from sceneq_core.routing.sureness import Sureness
 from sceneq_nodes._calibration import Calibration
 from sceneq_tools.evaluation.absent_names import absent_names, absent_purposes
 from sceneq_tools.evaluation.calibration import (
@@ -31,6 +33,9 @@ from sceneq_tools.evaluation.retrieval_setup import Setup
 QUESTIONS, LABELS, BOTH = "questions", "labels", "both"
 TASKS = (QUESTIONS, LABELS, BOTH)
 DIGITS = 4
+IN_VAIN = 1.0
+"""What all purposes that nothing serves count together: as one question. How often people ask for
+what nothing is good for the recordings tell; where none asks, this is the rule of succession."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,11 +71,12 @@ class Fitted:
 
 
 def fit(scenes: Sequence[Scene], setup: Setup, task: str, maps: Sequence[Scene] = ()) -> Fitted:
-    """Fit T by the mean negative log-likelihood of ``task``, then "none of them", then the gate.
+    """Fit T by the mean negative log-likelihood of ``task``, "none of them", sureness, then gate.
 
-    "None of them" is fitted by the likelihood of whether there is a right one, the gate by F1 on
-    questions; ``before`` is without any calibration. ``maps`` are asked the same questions as the
-    true instances in ``scenes``, but name nothing: what a fragment is called has no right answer.
+    "None of them" is fitted by the likelihood of whether there is a right one, sureness by that of
+    whether the first guess is right, the gate by F1 on questions; ``before`` is without any
+    calibration. ``maps`` are asked the same questions as the true instances in ``scenes``, but name
+    nothing: what a fragment is called has no right answer.
 
     Raises:
         ValueError: nothing in the scenes has a right answer to fit to.
@@ -84,7 +90,9 @@ def fit(scenes: Sequence[Scene], setup: Setup, task: str, maps: Sequence[Scene] 
         sha256=tuple(scene.questioned.sha256 for scene in scenes),
     )
     null, null_described = _nulls(everything, plain, warm)
-    known = replace(warm, null=null, null_described=null_described)
+    told = replace(warm, null=null, null_described=null_described)
+    sureness = _sureness(everything, plain.with_calibration(told)) if null else None
+    known = replace(told, sureness_described=sureness)
     asked = questions_of(everything, plain.with_calibration(known).router)
     tuned = tune_gate(decisions(asked), known.gate, setup.params.judge.min_claim)
     calibration = replace(known, gate=tuned)
@@ -138,15 +146,18 @@ def _nulls(
 def _counted(scenes: Sequence[Scene], setup: Setup) -> list[Counted]:
     """Return all questions of the scenes and how much each counts.
 
-    Half of what the absent things in the recordings count goes to other questions that are asked
-    in vain, all alike: a few questions are soon learned by heart.
+    Half of what the absent names in the recordings count goes to other names that are asked for in
+    vain, all alike: a few questions are soon learned by heart. Descriptions in vain count
+    ``IN_VAIN`` together.
     """
     asked = [one for scene in scenes for one in _asked(scene, scene.questioned.queries, setup)]
     vain = [one for scene in scenes for one in _asked(scene, _in_vain(scene, setup), setup)]
-    absent = sum(not one.present for one in asked)
-    half = 0.5 if vain else 1.0
-    told = [one if one.present else replace(one, count=half) for one in asked]
-    return told + [replace(one, count=0.5 * absent / len(vain)) for one in vain]
+    names, purposes = ([one for one in vain if one.described is is_so] for is_so in (False, True))
+    absent = sum(not one.present and not one.described for one in asked)
+    half = 0.5 if names else 1.0
+    told = [one if one.present or one.described else replace(one, count=half) for one in asked]
+    told += [replace(one, count=0.5 * absent / len(names)) for one in names]
+    return told + [replace(one, count=IN_VAIN / len(purposes)) for one in purposes]
 
 
 def _asked(scene: Scene, queries: Sequence[Query], setup: Setup) -> Iterator[Counted]:
@@ -175,6 +186,16 @@ def _null(counted: Sequence[Counted], setup: Setup, warm: Calibration) -> NullPa
     present = np.array([one.present for one in counted], np.bool_)
     fitted = fit_null(evidence_at, present, np.array([one.count for one in counted]))
     return NullParams(*(round(value, DIGITS) for value in astuple(fitted)))
+
+
+def _sureness(scenes: Sequence[Scene], setup: Setup) -> Sureness | None:
+    """Return how sure first guesses for descriptions are, ``None`` where nothing is described."""
+    asked = [one for one in questions_of(scenes, setup.router) if one.described]
+    if not asked:
+        return None
+    seen = decisions([one.with_null for one in asked])
+    fitted = fit_sureness(seen.p_max, seen.right)
+    return Sureness(round(fitted.slope, DIGITS), round(fitted.shift, DIGITS))
 
 
 def _loss(
