@@ -42,7 +42,7 @@ class Arrival:
         self._atlas = Atlas(params.relocaliser.sighting)
         self._left = LeftVisits(context.store, context.robot, params.hold, params.quiet_s, bus)
         self._apart_s = 1.0 / params.release_hz if paced else 0.0
-        self._next_s = self._look_s = self._study_s = 0.0
+        self._next_s = self._look_s = self._study_s = self._quiet_s = 0.0
         self._visit: Visit | None = None
         self._T_world_odom: Float64 | None = None
         self._caller: Caller | None = None
@@ -52,6 +52,11 @@ class Arrival:
     def is_releasing(self) -> bool:
         """Whether keyframes that were held wait for their turn."""
         return any(submap.is_releasing for submap in self._submaps())
+
+    @property
+    def is_under_way(self) -> bool:
+        """Whether keyframes that were held go on, or will in a moment."""
+        return self.is_releasing or (self._own is not None and self._own.is_sure)
 
     def is_own(self, seq: int) -> bool:
         """Tell whether frame ``seq`` of the scene is of this source, not of a visit left behind."""
@@ -195,21 +200,26 @@ class Arrival:
         if self._T_world_odom is None:
             self._learn_places()
             self._believe(own, own.see(frame))
+            self._quiet_s = time.monotonic() + self._params.settle_s
         self._report()
 
     def _study(self, submap: Submap) -> bool:
         """Do a piece of work for a visit that waits; tell whether it is placed now."""
         if not submap.has_work:
             return False
+        patient = submap is self._own and time.monotonic() < self._quiet_s
         try:
-            return self._believe(submap, submap.study())
+            return self._believe(submap, submap.study(patient=patient))
         except UNREADABLE as error:
             self._lose(submap, error)
             return False
 
     def _believe(self, submap: Submap, found: Relocation | None) -> bool:
         """Tell mapping where a frame of reference lies, and go on from there."""
-        if found is None or not self._desk.settle(submap.number, found):
+        if found is None:
+            return False
+        if not self._desk.settle(submap.number, found):
+            self._quiet_s = time.monotonic() + self._params.settle_s
             return False
         submap.T_world_odom = found.T_world_odom
         if submap is self._own:

@@ -4,6 +4,7 @@ import contextlib
 import logging
 import re
 import shutil
+import sqlite3
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,6 +20,9 @@ log = logging.getLogger(__name__)
 NAME = re.compile(r"held-(?P<robot>[a-z0-9_-]+)-[0-9a-f]{8}\.sqlite")
 NUMBERS = ("stamp_ns", "fingerprint", "seq")
 """The last one noted, and never negative, tells that all are there."""
+
+HALF_MADE = sqlite3.SQLITE_READONLY_ROLLBACK
+"""Only to make a file takes a journal to roll back, none of what is written into it later."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,14 +85,17 @@ def read_waiting(path: Path) -> Waiting:
 def waiting_in(path: Path) -> list[Waiting]:
     """Return what waits in a file that may be in use: nothing where it is begun or placed just now.
 
+    So with one whose maker was killed before it was made: the next to write there does it anew.
+
     Raises:
         StoreError: not readable.
         DamageError: damaged.
     """
     try:
         return [read_waiting(path)] if _is_begun(path) else []
-    except StoreError:
-        if path.exists():
+    except StoreError as error:
+        half_made = getattr(error.__cause__, "sqlite_errorcode", None) == HALF_MADE
+        if path.exists() and not half_made:
             raise
         return []
 

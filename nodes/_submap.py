@@ -3,12 +3,15 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from sceneq_core.arrays import Float64
 from sceneq_core.ingest.ingestor import Ingested
 from sceneq_core.ingest.transforms import nearest_rigid
 from sceneq_core.places.gazetteer import Gazetteer, GazetteerParams
 from sceneq_core.places.place import PlaceParams, place_of
 from sceneq_core.places.relocaliser import Relocaliser, Relocation
+from sceneq_core.places.settling import Settling, SettlingParams
 from sceneq_core.places.visit import Visit
 from sceneq_core.visits import seq_in_scene
 from sceneq_nodes._held_frames import HeldFrames
@@ -30,6 +33,7 @@ class Submap:
     def __init__(self, visit: Visit, held: HeldFrames, relocaliser: Relocaliser) -> None:
         self.number, self.T_world_odom = visit.number, visit.T_world_odom
         self.held, self.relocaliser = held, relocaliser
+        self._settling, self._camera_odom = Settling(SettlingParams()), np.zeros(3)
         self._places = Gazetteer(LOOKS)
         self._corrected: dict[int, Float64] = {}
         self._read, self._backlog = 0, held.last
@@ -40,10 +44,16 @@ class Submap:
 
     @property
     def has_work(self) -> bool:
-        """Whether ``study`` would learn something."""
+        """Whether ``study`` would learn something, or has an answer."""
         if self.T_world_odom is not None:
             return False
-        return self._read < self._backlog or self.relocaliser.has_to_look
+        has_more = self._read < self._backlog or self.relocaliser.has_to_look
+        return has_more or self.is_sure
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether there is an answer, good enough to go by or not yet."""
+        return self.T_world_odom is None and self._settling.sure is not None
 
     @property
     def is_releasing(self) -> bool:
@@ -71,18 +81,23 @@ class Submap:
         self._moved |= {seq: pose for seq, pose in poses.items() if seq in self._gone}
 
     def see(self, frame: Ingested) -> Relocation | None:
-        """Look for the place of a keyframe just held."""
+        """Look for the place of a keyframe just held; return it once it stands still."""
         assert frame.keyframe is not None
-        return self.relocaliser.see(place_of(frame.keyframe, PlaceParams()))
+        self._camera_odom = frame.T_world_camera[:3, 3]
+        return self._settle(self.relocaliser.see(place_of(frame.keyframe, PlaceParams())))
 
-    def study(self) -> Relocation | None:
+    def study(self, *, patient: bool = False) -> Relocation | None:
         """Look at one keyframe of an earlier run, or at one once more where the map has grown.
+
+        When all is looked at, the answer is what it is, unless ``patient``: more is to come.
 
         Raises:
             StoreError, DamageError, DecodeError: it cannot be read.
         """
         if self._read >= self._backlog:
-            return self.relocaliser.look_again()
+            if self.relocaliser.has_to_look:
+                return self._settle(self.relocaliser.look_again())
+            return None if patient else self._settling.sure
         frame, before = self._next_of_backlog(), self._places.revision
         if frame is None or frame.keyframe is None:
             return None
@@ -120,6 +135,9 @@ class Submap:
     def give_up(self, seq: int) -> None:
         """Do not wait for keyframe ``seq`` of the scene; it goes again at the next start."""
         self._under_way.pop(seq, None)
+
+    def _settle(self, found: Relocation | None) -> Relocation | None:
+        return self._settling.take(found, self._camera_odom)
 
     def _next_of_backlog(self) -> Ingested | None:
         if (found := self.held.read(self._read)) is None:

@@ -202,7 +202,7 @@ class Ingest:
             self._publish(held, was_held=True)
             return True
         raw = next(self._raw, None)
-        if raw is None and not self._arrival.is_releasing:
+        if raw is None and not self._arrival.is_under_way:
             self._report("ending")
         if raw is None or isinstance(raw, Waiting):
             return False

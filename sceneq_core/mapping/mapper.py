@@ -30,6 +30,7 @@ from sceneq_core.mapping.published import Published
 from sceneq_core.mapping.quarantine import Quarantine, QuarantineParams
 from sceneq_core.mapping.registry import Registry, RegistryParams
 from sceneq_core.mapping.reunion import group_of, reunite
+from sceneq_core.mapping.scene_clock import SceneClock
 from sceneq_core.mapping.scene_graph import SceneGraph, SceneGraphParams
 from sceneq_core.mapping.superpoints import SuperpointChange, Superpoints
 from sceneq_core.mapping.surface import SurfaceParams, SurfacePoints, measure_surface
@@ -90,8 +91,8 @@ class Mapper:
         self._published = Published(params.publish_step_m)
         self._anchors = Anchors()
         self._keyframes = 0
-        self._last_seq = -1
-        self._last_stamp_ns = 0
+        self._clock = SceneClock()
+        self._last_seq, self._last_stamp_ns = -1, 0
 
     def integrate(self, frame: Frame, label_image: UInt16) -> MapDelta:
         """Add a keyframe with its segments, uint16 (H, W), 0 = none; return what changed.
@@ -116,7 +117,8 @@ class Mapper:
         surface = measure_surface(frame, params.surface)
         anchor = self._anchors.add(frame.seq, frame.T_world_camera)
         touched = voxels.integrate(surface, anchor)
-        cleared = self._clear(frame, touched)
+        now_ns = self._clock.tick(frame.seq, frame.stamp_ns)
+        cleared = self._clear(frame, touched, now_ns)
         self._gravity.add(voxels.normals_world(touched.new_id), frame.T_world_camera)
         self._up_world = self._up()
         # Superpoints: partition anew only where the surface changed.
@@ -130,9 +132,7 @@ class Mapper:
         )
         groups = self._association.update(change, visible, keyframe, entering)
         # Instances: groups seen well enough, under ids that stay.
-        instances, events = self._registry.update(
-            groups, self._members, frame.stamp_ns, self._up_world
-        )
+        instances, events = self._registry.update(groups, self._members, now_ns, self._up_world)
         # Scene graph: what is floor or wall; what stands on, in and next to what.
         instances = self._relate(renewed, change, instances)
         self._keyframes += 1
@@ -179,7 +179,7 @@ class Mapper:
             self._params.correction,
         )
         news, events = self._registry.update(
-            groups, self._members, self._last_stamp_ns, self._up_world
+            groups, self._members, self._clock.now_ns, self._up_world
         )
         news = self._relate(renewed, change, news)
         delta = self.snapshot()
@@ -253,13 +253,11 @@ class Mapper:
         rgb = self._published.rgb.take(voxel_id, axis=0)
         return Members(superpoint_id, voxel_id, points_world, rgb)
 
-    def _clear(self, frame: Frame, touched: Touched) -> Int32:
+    def _clear(self, frame: Frame, touched: Touched, now_ns: int) -> Int32:
         """Empty the voxels of what is not there any more; return them, sorted."""
         through = find_seen_through(self._voxels, touched.voxel_id, frame, self._params.free_space)
         self._superpoints.reserve(len(self._voxels))
-        look = self._presence.look(
-            self._voxels, touched.voxel_id, through, self._group_of, frame.stamp_ns
-        )
+        look = self._presence.look(self._voxels, touched.voxel_id, through, self._group_of, now_ns)
         gone = self._registry.look(look, self._members)
         self._presence.clear(self._voxels, gone.voxel_id)
         self._association.dissolve(gone.group)

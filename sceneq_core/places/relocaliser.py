@@ -12,6 +12,8 @@ from sceneq_core.places.atlas import Atlas, Known
 from sceneq_core.places.place import Place
 from sceneq_core.places.sighting import Sighting, SightingParams
 
+MOST_TRUST = 0.98
+"""Of surface that fits nobody can say more surely that it is the same."""
 MOST_SIGHTINGS, MOST_SEEN = 2048, 64
 """Older ones are let go: a frame of reference that was not found by then drifts too much."""
 
@@ -175,10 +177,12 @@ def _relocation(sightings: Sequence[Sighting]) -> Relocation:
 
 
 def fused(sightings: Sequence[Sighting]) -> Float64:
-    """Return T_world_odom (4, 4) that fits all sightings best, each by its information.
+    """Return T_world_odom (4, 4) that fits all sightings best, each by its information and trust.
 
     Small motions are added up about the middle of the cameras, where they are smallest; what
-    contradicts the rest counts less (Huber), for an alignment may have slid along a wall.
+    contradicts the rest counts less (Huber), for an alignment may have slid along a wall. The
+    information knows the noise of a depth, not what was taken for the same surface and is not: the
+    odds of the trust do.
     """
     T_world_odom = sightings[0].T_world_odom
     for _ in range(10):
@@ -188,7 +192,7 @@ def fused(sightings: Sequence[Sighting]) -> Float64:
         for sighting, step in zip(sightings, steps, strict=True):
             information = _about(sighting.information, centre)
             weight = 1.0 / max(1.0, float(np.linalg.norm(step)) / 0.01)
-            weight /= float(np.trace(information))
+            weight *= sighting.trust / (1.0 - min(sighting.trust, MOST_TRUST))
             matrix += weight * information
             vector += weight * information @ step
         found = np.asarray(np.linalg.solve(matrix, vector), np.float64)

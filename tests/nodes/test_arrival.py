@@ -150,6 +150,19 @@ def test_two_robots_make_one_map(scene, recordings):
     assert confirmed(kept) == confirmed(alone)
 
 
+@pytest.mark.parametrize("settle_s", [0.0, 0.3])
+def test_a_source_that_ends_before_its_answer_stands_still_is_placed_by_what_there_is(
+    scene, recordings, tmp_path, settle_s
+):
+    kept = scene()
+    kept.visit(recordings["first"])
+    short = write_walk(tmp_path / "short", ROOM, range(125, 200, 25), T_ODOM_WORLD)
+    told = kept.visit(short, settle_s=settle_s)
+    assert told["arrival"] == "in place"
+    assert kept.visits()[1]["evidence"].startswith("3 keyframes recognised")
+    assert kept.hub.counters["frames_integrated"] == len(FIRST) + 3
+
+
 def test_a_restart_of_mapping_brings_the_same_map_with_all_visits(scene, recordings):
     before = scene()
     before.visit(recordings["first"])

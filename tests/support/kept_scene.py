@@ -51,7 +51,7 @@ class KeptScene:
             {"kind": "folder", "path": str(recording)},
             rate_hz=rate_hz,
             keyframes=KEYFRAMES,
-            arrival=ArrivalParams(look_again_s=0.0, **arrival),
+            arrival=ArrivalParams(**{"look_again_s": 0.0, "settle_s": 0.0} | arrival),
             robot=robot,
             wait_for=(),
         )

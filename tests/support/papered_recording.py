@@ -20,7 +20,7 @@ def write_walk(
     np.savetxt(folder / "camera-intrinsics.txt", room.K)
     np.savetxt(folder / "stamps.txt", np.arange(first, first + len(turns_deg), dtype=float))
     for i, turn in enumerate(turns_deg, first):
-        frame, labels = room.seen(i, turn, *_step_aside(turn))
+        frame, labels = room.seen(i, turn, *step_aside(turn))
         stem = str(folder / f"frame-{i:06d}")
         cv2.imwrite(f"{stem}.color.png", frame.rgb[..., ::-1])
         cv2.imwrite(f"{stem}.depth.png", np.rint(frame.depth_m * 1000).astype(np.uint16))
@@ -29,5 +29,6 @@ def write_walk(
     return folder
 
 
-def _step_aside(turn_deg: float) -> tuple[float, float]:
+def step_aside(turn_deg: float) -> tuple[float, float]:
+    """Return where on the floor the camera is that looks this way, metres."""
     return 0.3 * float(np.cos(np.radians(3 * turn_deg))), 0.3 * float(np.sin(np.radians(turn_deg)))

@@ -1,6 +1,8 @@
 """Keyframes that wait for their place, in a file."""
 
+import contextlib
 import shutil
+import sqlite3
 
 import numpy as np
 import pytest
@@ -107,6 +109,21 @@ def test_a_file_that_is_begun_or_gone_holds_nothing_yet(tmp_path):
     with pytest.raises(DamageError, match="whose keyframes"):
         waiting_in(held.path)
     held.close()
+
+
+def test_a_file_whose_maker_was_killed_holds_nothing_yet(tmp_path):
+    making, path = tmp_path / "making.sqlite", tmp_path / CALLER.file_name
+    with contextlib.closing(sqlite3.connect(making, isolation_level=None)) as db:
+        db.execute("PRAGMA cache_size = 1")
+        db.execute("CREATE TABLE before (x BLOB)")
+        db.execute("BEGIN")
+        for _ in range(20):
+            db.execute("INSERT INTO before VALUES (zeroblob(4000))")
+        for suffix in ("", "-journal"):  # as they lie there when the process is gone
+            shutil.copy(f"{making}{suffix}", f"{path}{suffix}")
+    with pytest.raises(StoreError, match="readonly"):
+        read_waiting(path)
+    assert waiting_in(path) == []
 
 
 def test_damage_is_found(tmp_path):
