@@ -13,6 +13,7 @@ from sceneq_tools.graph import Graph, GraphNode, shown_path
 from sceneq_tools.graph_document import Document, KeyPath
 from sceneq_tools.graph_machines import machine_problems
 from sceneq_tools.graph_problem import ABSENT, GraphError, Problem
+from sceneq_tools.graph_robots import robot_problems
 
 MISSING = "missing key"
 OWN_CHECK = re.compile(r"Value error, (?:(?P<field>\w+): )?(?P<text>.*)", re.DOTALL)
@@ -22,8 +23,8 @@ SEAMS = {name: name for name in BACKENDS if name != "nodes"} | {"meanwhile": "en
 
 
 def check_nodes(graph: Graph, document: Document) -> None:
-    """Raise ``GraphError`` with everything that is wrong with machines, kinds and parameters."""
-    problems = machine_problems(graph, document)
+    """Raise ``GraphError`` with everything that is wrong: machines, robots, kinds, parameters."""
+    problems = [*machine_problems(graph, document), *robot_problems(graph, document)]
     problems += [
         _problem(document, error)
         for index, node in enumerate(graph.nodes)

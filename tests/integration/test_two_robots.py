@@ -115,6 +115,13 @@ def undisturbed(store: Path) -> MapReplica:
     return replica_of(mapped.mapper.snapshot())
 
 
+def its_map(live: LiveGraph, expected_digest: str) -> MapReplica | None:
+    """Return the map of the graph once it is the expected one."""
+    whole = told(live, MAP_SNAPSHOT)
+    replica = replica_of(map_delta_from_message(whole)) if whole else None
+    return replica if replica and digest(replica) == expected_digest else None
+
+
 def middles(replica: MapReplica) -> np.ndarray:
     """Return the middles of the boxes of what is surely there.
 
@@ -161,9 +168,8 @@ def test_two_robots_in_frames_of_their_own_make_one_map(tmp_path: Path, runtime:
         assert distance_m(T_one_other, inverse(T_OTHER_ONE)) < 0.03
         assert angle_deg(T_one_other, inverse(T_OTHER_ONE)) < 0.5
 
-        whole = live.wait(lambda: told(live, MAP_SNAPSHOT))
-        together = replica_of(map_delta_from_message(whole))
-        assert digest(together) == digest(undisturbed(store))
+        expected_digest = digest(undisturbed(store))
+        together = live.wait(lambda: its_map(live, expected_digest), PATIENCE_S)
         found = transform(inverse(T_world["r1"]), middles(together))
         truth = middles(alone(walk))
         apart = np.linalg.norm(found[:, None] - truth, axis=2)
