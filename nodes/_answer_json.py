@@ -11,7 +11,8 @@ from sceneq_core.mapping.delta import STALE, Instance, Place
 from sceneq_core.routing.answer import Answer, Match, Naming
 from sceneq_core.routing.gate import Confidence
 from sceneq_core.routing.labels import Label
-from sceneq_core.routing.scene import Revision, SceneInstance, ViewRef
+from sceneq_core.routing.revision import Revision
+from sceneq_core.routing.scene import SceneInstance, ViewRef
 from sceneq_schemas.topics import VIEW_IMAGE
 
 Json = dict[str, Any]

@@ -25,7 +25,7 @@ import numpy as np
 
 from sceneq_core.encoding.encoder import Encoder
 from sceneq_core.mapping.delta import Instance
-from sceneq_core.routing.scene import Revision
+from sceneq_core.routing.revision import Revision
 from sceneq_core.teaching.album import Album
 from sceneq_nodes._answer_json import Json
 from sceneq_nodes._asked_reasoner import AskedReasoner

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from sceneq_core.reasoning.reasoner import NO_USAGE, Usage
 from sceneq_core.routing.gate import Confidence
 from sceneq_core.routing.labels import Label
-from sceneq_core.routing.scene import Revision, SceneInstance
+from sceneq_core.routing.revision import Revision
+from sceneq_core.routing.scene import SceneInstance
 
 FOUND, AMBIGUOUS, NOT_FOUND = "found", "ambiguous", "not_found"
 FAST, REASONED, FALLBACK = "fast", "reasoned", "fallback"

@@ -15,6 +15,7 @@ from sceneq_core.routing.labels import Label, Labeller
 from sceneq_core.routing.measured import Measured
 from sceneq_core.routing.names import NO_NAMES, Names
 from sceneq_core.routing.past import Gone, Past
+from sceneq_core.routing.revision import Revision
 from sceneq_core.routing.row_blocks import RowBlocks
 
 Box = tuple[float, float, float, float]
@@ -25,16 +26,6 @@ of the map, and a question still meets few, large blocks."""
 NO_COLUMNS = columns_of(
     (), np.zeros((0, 1), np.float32), np.zeros((0, len(COLOUR_TERMS)), np.float32)
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Revision:
-    """Which state of the map this is: ``frame_seq`` and ``stamp_ns`` of its newest keyframe."""
-
-    epoch: int = 0
-    seq: int = 0
-    frame_seq: int = -1
-    stamp_ns: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +142,7 @@ class Scene:
                 self._past.forget(instance.instance_id)
             else:
                 self._leave(instance, revision.stamp_ns)
-        self._revision = revision
+        self._revision = revision.after(self._revision, changed)
         self._up_world = _unit(up_world, self._up_world)
         there = [one for one in changed if one.state != REMOVED]
         if self._measured.see(there, self._up_world, full=full):

@@ -11,7 +11,7 @@ import pytest
 from sceneq_core.reasoning.geometric import GeometricParams, GeometricReasoner
 from sceneq_core.reasoning.reasoner import LabelVerdict
 from sceneq_core.routing import forms
-from sceneq_core.routing.scene import Revision
+from sceneq_core.routing.revision import Revision
 from sceneq_nodes._bus import QueryError, Request
 from sceneq_nodes._front_door import FrontDoor
 from sceneq_nodes._look import Look

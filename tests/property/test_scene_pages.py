@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from sceneq_core.encoding.hash import HashEncoder, HashParams
 from sceneq_core.mapping.delta import CONFIRMED, REMOVED, TENTATIVE, Instance
 from sceneq_core.routing.labels import Labeller, custom
-from sceneq_core.routing.scene import PAGE, Revision, Scene, SceneSnapshot, ViewRef
+from sceneq_core.routing.revision import Revision
+from sceneq_core.routing.scene import PAGE, Scene, SceneSnapshot, ViewRef
 
 UP = np.array([0.0, 0.0, 1.0])
 ENCODER = HashEncoder(HashParams())

@@ -14,8 +14,9 @@ import numpy as np
 from sceneq_core.encoding.encoder import Crop
 from sceneq_core.mapping.delta import Instance
 from sceneq_core.routing.labels import Labeller, LabelSet, named
+from sceneq_core.routing.revision import Revision
 from sceneq_core.routing.router import Router, RouterParams
-from sceneq_core.routing.scene import Revision, Scene, SceneSnapshot, ViewRef
+from sceneq_core.routing.scene import Scene, SceneSnapshot, ViewRef
 
 UP = np.array([0.0, 0.0, 1.0])
 VIEWPOINT = np.array([0.0, -3.0, 1.5])

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from sceneq_core.routing.scene import Revision, SceneSnapshot
+from sceneq_core.routing.revision import Revision
+from sceneq_core.routing.scene import SceneSnapshot
 from sceneq_core.teaching.album import Album
 from sceneq_core.teaching.book import BookParams, NameBook
 from sceneq_core.teaching.evidence import Judgement

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sceneq_core.reasoning.reasoner import LabelVerdict
-from sceneq_core.routing.scene import Revision
+from sceneq_core.routing.revision import Revision
 from sceneq_nodes._label_stream import LabelStream
 from sceneq_nodes._wire import from_bytes
 from sceneq_schemas.topics import LABEL_DELTA, LABEL_SNAPSHOT

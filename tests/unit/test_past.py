@@ -6,7 +6,7 @@ import pytest
 from sceneq_core.routing.described import describe
 from sceneq_core.routing.past import Gone, Past
 from sceneq_core.routing.recall import with_past
-from sceneq_core.routing.scene import Revision
+from sceneq_core.routing.revision import Revision
 
 from support.furnished import ROOM, UP, WordEncoder, furnish, instance, router
 

@@ -8,8 +8,8 @@ import pytest
 from sceneq_core.reasoning.reasoner import Verdict
 from sceneq_core.routing.judge import JudgeParams
 from sceneq_core.routing.labels import Labeller, named
+from sceneq_core.routing.revision import Revision
 from sceneq_core.routing.router import Router, RouterParams
-from sceneq_core.routing.scene import Revision
 
 from support.furnished import (
     ROOM,

@@ -10,8 +10,9 @@ from sceneq_core.encoding.encoder import Crop
 from sceneq_core.encoding.joint import unit
 from sceneq_core.mapping.delta import CONFIRMED, Instance
 from sceneq_core.routing.labels import Labeller, named
+from sceneq_core.routing.revision import Revision
 from sceneq_core.routing.router import Router, RouterParams
-from sceneq_core.routing.scene import Revision, Scene, ViewRef
+from sceneq_core.routing.scene import Scene, ViewRef
 from sceneq_tools.bench.measurement import Measurement, Options, in_turns_ms, latency
 
 INSTANCES, DIM = 10_000, 512

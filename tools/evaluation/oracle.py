@@ -19,7 +19,8 @@ from sceneq_core.ingest.ingestor import Ingested
 from sceneq_core.ingest.source import Skipped
 from sceneq_core.mapping.delta import Instance, MapDelta
 from sceneq_core.mapping.replica import MapReplica
-from sceneq_core.routing.scene import Revision, Scene, SceneSnapshot, ViewRef
+from sceneq_core.routing.revision import Revision
+from sceneq_core.routing.scene import Scene, SceneSnapshot, ViewRef
 from sceneq_core.views.jpeg import rgb_from_jpeg
 from sceneq_core.views.place import STRIDE_PX, Places
 from sceneq_core.views.selector import ViewSelector

@@ -11,7 +11,8 @@ from sceneq_core.arrays import Float64
 from sceneq_core.evaluation.mask_iou import mask_iou
 from sceneq_core.ingest.source import Skipped
 from sceneq_core.mapping.delta import CONFIRMED, OBJECT, Instance
-from sceneq_core.routing.scene import Revision, Scene, SceneSnapshot, ViewRef
+from sceneq_core.routing.revision import Revision
+from sceneq_core.routing.scene import Scene, SceneSnapshot, ViewRef
 from sceneq_nodes._ingesting import IngestSpecs, open_source
 from sceneq_tools.errors import UserError
 from sceneq_tools.evaluation.oracle import EPOCH, NO_IDS, Oracle
