@@ -60,9 +60,7 @@ class RealsenseDevice:
             raise ValueError(f"playback: no file {params.playback}")
         self._pipeline, config = rs.pipeline(), _config(rs, params)
         try:
-            if params.lossless:
-                config.resolve(self._pipeline).get_device().as_playback().set_real_time(False)
-            profile = self._pipeline.start(config)
+            profile = self._started(config, lossless=params.lossless)
             depth_sensor = profile.get_device().first_depth_sensor()
             self._mm_per_unit = round(1000.0 * depth_sensor.get_depth_scale(), 6)
             color = profile.get_stream(rs.stream.color).as_video_stream_profile()
@@ -76,6 +74,17 @@ class RealsenseDevice:
         )
         self.depth_camera = self.color_camera
         self._lens = _lens(rs, told, self.color_camera.K)
+
+    def _started(self, config: Any, *, lossless: bool) -> Any:
+        """Start the streams; what is played waits until all of them can take images."""
+        if not lossless:
+            return self._pipeline.start(config)
+        playback = config.resolve(self._pipeline).get_device().as_playback()
+        playback.set_real_time(False)
+        playback.pause()
+        profile = self._pipeline.start(config)
+        playback.resume()
+        return profile
 
     def take(self) -> Shot | None:
         """Return the newest pair of images, if one has come."""
