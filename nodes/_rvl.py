@@ -42,7 +42,7 @@ def decode_rvl(data: bytes, size: tuple[int, int]) -> UInt16:
 
 def _runs(numbers: Array, count: int) -> tuple[Int64, Int64, Int64]:
     """Return of every run the place of its first value, its first pixel and its length."""
-    view, end = memoryview(numbers), len(numbers)  # type: ignore[arg-type]
+    view, end = numbers.data, len(numbers)
     runs: list[tuple[int, int, int]] = []
     at = filled = 0
     while filled < count:

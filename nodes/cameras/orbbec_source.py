@@ -81,8 +81,8 @@ class OrbbecDevice:
         color, depth = frames.get_color_frame(), frames.get_depth_frame()
         if color is None or depth is None:
             return None
-        units = np.frombuffer(depth.get_data(), np.uint16)
-        units = units.reshape(depth.get_height(), depth.get_width())
+        size = depth.get_height(), depth.get_width()
+        units = np.frombuffer(depth.get_data(), np.uint16).reshape(size)
         depth_mm = in_mm(units, float(depth.get_depth_scale()))
         straight = self._undistortion
         return Shot(

@@ -103,7 +103,8 @@ def _filled(depth_m: Float32, axis: int, reach_px: int, slope_per_px: float) -> 
     a, b = image[above, column], image[below, column]
     apart = (below - above).astype(np.float32)
     joined = np.abs(a - b) <= slope_per_px * apart * np.minimum(a, b)
-    row, column, above, a, b = (part[joined] for part in (row, column, above, a, b))
+    row, column, above = row[joined], column[joined], above[joined]
+    a, b = a[joined], b[joined]
     share = (row - above) / apart[joined]
     filled = image.copy()
     filled[row, column] = 1.0 / ((1.0 - share) / a + share / b)

@@ -106,7 +106,7 @@ class Renderer:
         more = np.minimum(
             _trace(view.tracer, T_world_camera, camera, x, y).radiance, brightest
         ).reshape(count, -1, 3)
-        return blended(radiance, corners, more.mean(axis=0))
+        return blended(radiance, corners, more.mean(axis=0).astype(np.float32, copy=False))
 
     def _viewed(self, room: LitRoom) -> View:
         shader = Shader(

@@ -28,7 +28,8 @@ def subdivided(mesh: Mesh, longest_m: float) -> Mesh:
         long = _too_long(corners, faces, edge, longest_m)
         done_faces.append(faces[~long])
         done_material.append(material[~long])
-        corners, faces = _halved(corners, faces[long], edge[long].argmax(axis=1))
+        longest = edge[long].argmax(axis=1).astype(np.int32)
+        corners, faces = _halved(corners, faces[long], longest)
         material = np.tile(material[long], 2)
     return _mesh(mesh, corners, done_faces, done_material)
 

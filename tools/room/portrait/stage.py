@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sceneq_core.arrays import Float64
+from sceneq_core.arrays import Array, Float64
 from sceneq_tools.room.category import Category
 from sceneq_tools.room.layout.placement import pose
 from sceneq_tools.room.layout.sheets import sheet
@@ -104,7 +104,7 @@ def _seat(row: _Row, sitter: Sitter, mesh: Mesh, rng: np.random.Generator) -> No
     row.right = x + (size[0] / 2 + gap)
 
 
-def _support(row: _Row, x: float, size: Float64, rng: np.random.Generator) -> tuple[float, float]:
+def _support(row: _Row, x: float, size: Array, rng: np.random.Generator) -> tuple[float, float]:
     """Add a block for a small thing; return y and z of its top's middle."""
     z = rng.uniform(0.35, 0.95)
     top = (max(size[0] * 1.6, 0.5), max(size[1] * 1.6, 0.4), z)

@@ -47,7 +47,7 @@ def _palette(rng: np.random.Generator, count: int) -> list[Colour]:
 def _landscape(rng: np.random.Generator, shape: Shape) -> Float64:
     """A sky that grows warm towards the horizon, a sun and hills one behind the other."""
     down, right = coordinates(*shape)
-    hue = rng.choice([0.02, 0.08, 0.55, 0.60])
+    hue = float(rng.choice([0.02, 0.08, 0.55, 0.60]))
     high, low = from_hsv(hue + 0.08, 0.45, 0.75), from_hsv(hue, 0.30, 0.98)
     image = np.array(high) * (1 - down[..., None]) + np.array(low) * down[..., None]
     sun = np.hypot((down - rng.uniform(0.2, 0.45)) * shape[0], (right - rng.random()) * shape[1])
@@ -161,7 +161,8 @@ def _blossom(rng: np.random.Generator, image: Float64, y: Float64, x: Float64) -
     distance, angle = np.hypot(y, x), np.arctan2(y, x)
     petals, size = int(rng.integers(5, 9)), rng.uniform(0.05, 0.09)
     edge = size * (0.72 + 0.28 * np.abs(np.sin(angle * petals / 2)))
-    image[distance < edge] = from_hsv(rng.choice([0.0, 0.08, 0.13, 0.75, 0.92, 0.6]), 0.6, 0.92)
+    hue = float(rng.choice([0.0, 0.08, 0.13, 0.75, 0.92, 0.6]))
+    image[distance < edge] = from_hsv(hue, 0.6, 0.92)
     image[distance < 0.25 * size] = from_hsv(0.13, 0.8, 0.75)
     return image
 

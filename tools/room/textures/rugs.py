@@ -27,9 +27,8 @@ def rug(
     if style not in RUGS:
         raise ValueError(f"no rug {style!r}; there are {', '.join(RUGS)}")
     if colour is None:
-        colour = from_hsv(
-            rng.choice([0.0, 0.04, 0.10, 0.30, 0.55, 0.62]), 0.55, rng.uniform(0.4, 0.7)
-        )
+        hue = float(rng.choice([0.0, 0.04, 0.10, 0.30, 0.55, 0.62]))
+        colour = from_hsv(hue, 0.55, rng.uniform(0.4, 0.7))
     down, right = coordinates(height_px, width_px)
     y, x = down * height_px / width_px, right
     yarns = np.array([colour, *_yarns(rng, colour)])

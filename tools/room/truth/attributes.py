@@ -110,7 +110,8 @@ def _visible(mesh: Mesh) -> tuple[Int64, Float64]:
     scene.add_triangles(tensor(vertices), tensor(mesh.faces.astype(np.uint32)))
     low, high = vertices.min(0), vertices.max(0)
     radius = float(np.linalg.norm(high - low)) / 2 + 1e-3
-    rays = np.concatenate([_parallel_rays((low + high) / 2, radius, d) for d in DIRECTIONS])
+    centre = ((low + high) / 2).astype(np.float32, copy=False)
+    rays = np.concatenate([_parallel_rays(centre, radius, d) for d in DIRECTIONS])
     hit = scene.cast_rays(tensor(rays))
     face = hit["primitive_ids"].numpy().astype(np.int64)
     found = hit["t_hit"].numpy() < np.inf
