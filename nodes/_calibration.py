@@ -3,8 +3,10 @@
 A JSON object with ``format``, ``encoder`` (the model id it was fitted for), ``temperature``,
 ``null`` (``NullParams``, or null where the data had nothing absent), ``null_described`` (the same
 for words that describe a thing, null = as for names), ``sureness_described`` (of first guesses for
-such words, null = as the softmax says), ``gate`` (the four thresholds),
-``label_set``, ``sha256`` of the data, and whatever else its writer tells.
+such words, null = as the softmax says), ``unfamiliar`` (all four again, for scenes that look unlike
+what the encoder was taught with, and ``middle`` and ``slope`` of how that is told; null = alike),
+``gate`` (the four thresholds), ``label_set``, ``sha256`` of the data, and whatever else its writer
+tells.
 """
 
 import hashlib
@@ -17,18 +19,21 @@ from typing import Any, TypeVar
 from sceneq_core.arrays import Float32, Float64
 from sceneq_core.checks import need_positive
 from sceneq_core.encoding.encoder import Crop, Encoder
+from sceneq_core.encoding.looks import familiarity
 from sceneq_core.encoding.usual_sizes import sized
 from sceneq_core.routing.gate import GateParams
 from sceneq_core.routing.null import NullParams
 from sceneq_core.routing.router import RouterParams
 from sceneq_core.routing.sureness import Sureness
+from sceneq_core.routing.unfamiliar import Unfamiliar
 from sceneq_nodes._json_fields import parse
 
-FORMAT = "sceneq.calibration.v4"
+FORMAT = "sceneq.calibration.v5"
 FORMER = {
     "sceneq.calibration.v1": "knows no 'none of them'",
     "sceneq.calibration.v2": "does not tell what is named from what is described",
     "sceneq.calibration.v3": "does not know how sure a first guess for a description is",
+    "sceneq.calibration.v4": "does not tell familiar scenes from unfamiliar ones",
 }
 """Formats that are no longer read, and what they lack."""
 NO_CALIBRATION = "none"
@@ -44,8 +49,9 @@ class Calibration:
     ``null``: how probable "none of them" is; ``None`` = the data did not tell. ``null_described``:
     the same where words describe a thing, ``None`` = as where they name it;
     ``sureness_described``: how sure the first guess then is, ``None`` = as the softmax says.
-    ``label_set``: what the words competed with. ``sha256`` names the data it was fitted on, one
-    digest a recording.
+    ``unfamiliar``: all this where things look unlike what the encoder was taught with, ``None`` =
+    alike. ``label_set``: what the words competed with. ``sha256`` names the data it was fitted on,
+    one digest a recording.
     """
 
     encoder: str
@@ -56,20 +62,21 @@ class Calibration:
     sha256: tuple[str, ...] = ()
     null_described: NullParams | None = None
     sureness_described: Sureness | None = None
+    unfamiliar: Unfamiliar | None = None
 
     def __post_init__(self) -> None:
         need_positive(self, "temperature")
 
     def as_dict(self) -> dict[str, Any]:
         """Return what the file holds at least."""
-        sureness = self.sureness_described
         return {
             "format": FORMAT,
             "encoder": self.encoder,
             "temperature": self.temperature,
-            "null": asdict(self.null) if self.null else None,
-            "null_described": asdict(self.null_described) if self.null_described else None,
-            "sureness_described": asdict(sureness) if sureness else None,
+            "null": _given(self.null),
+            "null_described": _given(self.null_described),
+            "sureness_described": _given(self.sureness_described),
+            "unfamiliar": _given(self.unfamiliar),
             "gate": asdict(self.gate),
             "label_set": self.label_set,
             "sha256": list(self.sha256),
@@ -89,6 +96,7 @@ class Calibration:
             null=self.null,
             null_described=self.null_described,
             sureness_described=self.sureness_described,
+            unfamiliar=self.unfamiliar,
         )
 
     def of_encoder(self, encoder: Encoder) -> Encoder:
@@ -123,6 +131,10 @@ class Tempered:
         """Return the encoder's descriptor (D,) of a thing that has this shape (4,)."""
         return sized(self._encoder, descriptor, shape)
 
+    def familiarity(self, feature: Float32) -> float:
+        """Return how much an image feature (F,) is like what the encoder was taught, 1 = same."""
+        return familiarity(self._encoder, feature)
+
     def encode_texts(self, texts: Sequence[str]) -> Float32:
         """Return (N, dim), L2-normalised."""
         return self._encoder.encode_texts(texts)
@@ -156,22 +168,55 @@ def _calibration(document: Any) -> Calibration:
         encoder=encoder,
         temperature=_number(document, "temperature"),
         gate=GateParams(**_numbers(gate, GateParams, "gate.")),
-        null=_optional(document, "null", NullParams, "'none of them'"),
         label_set=str(document.get("label_set", "")),
         sha256=tuple(map(str, sha256)),
-        null_described=_optional(document, "null_described", NullParams, "'none of them'"),
-        sureness_described=_optional(document, "sureness_described", Sureness, "a first guess"),
+        unfamiliar=_unfamiliar(document),
+        **_nulls(document),
     )
 
 
-def _optional(document: Mapping[str, Any], name: str, cls: type[T], of: str) -> T | None:
+def _nulls(document: Mapping[str, Any], where: str = "") -> dict[str, Any]:
+    """Return what a calibration has beside its temperature, for one kind of scenes."""
+    return {
+        "null": _optional(document, "null", NullParams, "'none of them'", where),
+        "null_described": _optional(
+            document, "null_described", NullParams, "'none of them'", where
+        ),
+        "sureness_described": _optional(
+            document, "sureness_described", Sureness, "a first guess", where
+        ),
+    }
+
+
+def _unfamiliar(document: Mapping[str, Any]) -> Unfamiliar | None:
+    given = document.get("unfamiliar", "missing")
+    if given is None:
+        return None
+    if not isinstance(given, dict):
+        raise ValueError(f"unfamiliar: expected the numbers of unfamiliar scenes, got {given!r}")
+    where = "unfamiliar."
+    return Unfamiliar(
+        temperature=_number(given, "temperature", where),
+        middle=_number(given, "middle", where),
+        slope=_number(given, "slope", where),
+        **_nulls(given, where),
+    )
+
+
+def _optional(
+    document: Mapping[str, Any], name: str, cls: type[T], of: str, where: str = ""
+) -> T | None:
     """Return the numbers of ``cls`` under a name, ``None`` for null."""
     given = document.get(name, "missing")
     if given is None:
         return None
     if not isinstance(given, dict):
-        raise ValueError(f"{name}: expected the numbers of {of}, got {given!r}")
-    return cls(**_numbers(given, cls, f"{name}."))
+        raise ValueError(f"{where}{name}: expected the numbers of {of}, got {given!r}")
+    return cls(**_numbers(given, cls, f"{where}{name}."))
+
+
+def _given(part: Any) -> dict[str, Any] | None:
+    return None if part is None else asdict(part)
 
 
 def _numbers(values: Mapping[str, Any], cls: type, where: str) -> dict[str, float]:

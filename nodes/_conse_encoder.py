@@ -74,6 +74,10 @@ class ConseEncoder:
         """Return the descriptor (D,) of a thing that has this shape (4,), length 1."""
         return self._conse.sized(descriptor, shape)
 
+    def familiarity(self, feature: Float32) -> float:
+        """Return how much an image feature (F,) is like what was taught, 1 = the same."""
+        return self._conse.familiarity(feature)
+
     def _run_classifier(self, image: Float32) -> tuple[Float32, Float32]:
         logits, feature = self._classifier.run([LOGITS, FEATURE], {INPUT: image})
         return logits[0], feature[0]

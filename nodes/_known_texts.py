@@ -14,6 +14,7 @@ import numpy as np
 
 from sceneq_core.arrays import Float32, Float64
 from sceneq_core.encoding.encoder import Crop, Encoder
+from sceneq_core.encoding.looks import familiarity
 from sceneq_core.encoding.usual_sizes import sized
 from sceneq_nodes._cache import cache_path, write_whole
 
@@ -39,6 +40,10 @@ class KnownTexts:
     def sized(self, descriptor: Float32, shape: Float64) -> Float32:
         """Return the encoder's descriptor (D,) of a thing that has this shape (4,)."""
         return sized(self._encoder, descriptor, shape)
+
+    def familiarity(self, feature: Float32) -> float:
+        """Return how much an image feature (F,) is like what the encoder was taught, 1 = same."""
+        return familiarity(self._encoder, feature)
 
     def encode_texts(self, texts: Sequence[str]) -> Float32:
         """Return (N, dim), L2-normalised."""

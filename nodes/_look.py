@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 from sceneq_core.routing.scene import SceneSnapshot
+from sceneq_core.routing.unfamiliar import scene_familiarity
 from sceneq_nodes._answer_json import Json, Stamp, map_json
 from sceneq_nodes._bus import QueryError
 from sceneq_nodes._calibration import NO_CALIBRATION
@@ -42,7 +43,7 @@ class Look:
         )
 
     def scene_json(self, scene: str) -> Json:
-        """Return which map this is and how much is in it."""
+        """Return which map this is, how much is in it and how familiar it looks to the encoder."""
         snapshot = self.snapshot
         return {
             "scene": scene,
@@ -51,6 +52,7 @@ class Look:
             "map": map_json(snapshot.revision, self._age_s()),
             "frame_seq": snapshot.revision.frame_seq,
             "calibration": self.calibration,
+            "familiarity": round(scene_familiarity(snapshot.columns), 3),
         }
 
     def given(self, most: int) -> dict[str, int]:

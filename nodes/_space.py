@@ -44,6 +44,18 @@ class Space:
         descriptor: Float32 = self._encoder.encode_crops([whole])[0][0]
         return descriptor
 
+    def familiarity(self, descriptor: Float32, feature: Float32) -> float | None:
+        """Return how familiar what has this feature (F,) looks to the encoder.
+
+        ``None`` when descriptor (D,) or feature cannot be the encoder's.
+        """
+        if not (self.scene.accepts(descriptor) and np.isfinite(feature).all()):
+            return None
+        try:
+            return self.router.labeller.familiarity(feature)
+        except ValueError:
+            return None
+
     def swap(self, map_arrived_s: float) -> None:
         """Answer from the scene as it is now."""
         bare = self.scene.snapshot()

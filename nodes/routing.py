@@ -224,17 +224,18 @@ class Routing:
         if message.model_id != space.model:
             self._refuse("descriptors_refused", f"{message.model_id} on the key of {space.model}")
             return
-        looks = {}
+        looks, familiarity = {}, {}
         for one in message.descriptors:
-            fits = space.scene.accepts(one.descriptor) and np.isfinite(one.feature).all()
-            if fits and is_id(one.instance_id):
+            familiar = space.familiarity(one.descriptor, one.feature)
+            if familiar is not None and is_id(one.instance_id):
                 looks[one.instance_id] = (one.descriptor, one.feature)
+                familiarity[one.instance_id] = familiar
             else:
                 self._refuse("descriptors_refused", f"descriptor of instance {one.instance_id}")
         descriptors = {instance_id: descriptor for instance_id, (descriptor, _) in looks.items()}
         removed = np.array([key for key in message.removed.tolist() if is_id(key)], np.int32)
         space.album.put(message.map_epoch, looks, removed.tolist())
-        space.scene.apply_descriptors(message.map_epoch, descriptors, removed)
+        space.scene.apply_descriptors(message.map_epoch, descriptors, removed, familiarity)
         self._swap(self._space.look.map_arrived_s)
 
     def _move(self, pose: Pose) -> None:

@@ -51,8 +51,11 @@ def _described(get: Get, scene: str) -> Descriptors:
     if reply is None:
         return no_descriptors(model)
     delta = from_bytes(FEATURE_SNAPSHOT, reply.payload)
-    rows = {one.instance_id: one.descriptor for one in delta.descriptors}
-    return Descriptors(model, rows)
+    return Descriptors(
+        model,
+        rows={one.instance_id: one.descriptor for one in delta.descriptors},
+        features={one.instance_id: one.feature for one in delta.descriptors},
+    )
 
 
 def _listed(get: Get, scene: str) -> tuple[Mapping[str, Any], ...]:

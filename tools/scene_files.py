@@ -1,7 +1,7 @@
 """What `sceneq map` and `sceneq export` leave on disk."""
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,21 +25,25 @@ ARRAYS_FILE, RECORDS_FILE = "instances.npz", "instances.json"
 
 @dataclass(frozen=True, slots=True)
 class Descriptors:
-    """Descriptors (D,) by instance id, in the space of the encoder ``model``."""
+    """Descriptors (D,) and image features (F,) by instance id, of the encoder ``model``."""
 
     model: str
     rows: Mapping[int, Float32]
+    features: Mapping[int, Float32]
 
-    def arrays(self) -> tuple[Int32, Float32]:
-        """Return ids int32 (N,), sorted, and their descriptors float32 (N, D)."""
+    def arrays(self) -> tuple[Int32, Float32, Float32]:
+        """Return ids int32 (N,), sorted, descriptors float32 (N, D) and features (N, F)."""
         ids = sorted(self.rows)
-        stacked = np.stack([self.rows[i] for i in ids]) if ids else np.zeros((0, 0), np.float32)
-        return np.array(ids, np.int32), stacked
+        return np.array(ids, np.int32), _stacked(self.rows, ids), _stacked(self.features, ids)
+
+
+def _stacked(rows: Mapping[int, Float32], ids: Sequence[int]) -> Float32:
+    return np.stack([rows[key] for key in ids]) if ids else np.zeros((0, 0), np.float32)
 
 
 def no_descriptors(model: str = "") -> Descriptors:
     """Return what a scene without an encoder has."""
-    return Descriptors(model, {})
+    return Descriptors(model, {}, {})
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +88,7 @@ class SceneFiles:
         return document
 
     def _write_arrays(self, cloud: Cloud, out: Path) -> None:
-        described_id, descriptor = self.descriptors.arrays()
+        described_id, descriptor, feature = self.descriptors.arrays()
         np.savez_compressed(
             out / ARRAYS_FILE,
             points=cloud.points_world,
@@ -92,6 +96,7 @@ class SceneFiles:
             rgb=cloud.rgb,
             described_id=described_id,
             descriptor=descriptor,
+            feature=feature,
         )
 
     def cloud(self) -> Cloud:
@@ -172,8 +177,11 @@ def read_descriptors(folder: Path) -> Descriptors:
     try:
         document = json.loads((folder / RECORDS_FILE).read_text())
         with np.load(folder / ARRAYS_FILE) as arrays:
-            ids, rows = arrays["described_id"].tolist(), arrays["descriptor"]
-        return Descriptors(str(document["model"]), dict(zip(ids, rows, strict=True)))
+            ids = arrays["described_id"].tolist()
+            rows, features = (
+                dict(zip(ids, arrays[name], strict=True)) for name in ("descriptor", "feature")
+            )
+        return Descriptors(str(document["model"]), rows, features)
     except KeyError as error:
         hint = "write it anew: sceneq map RECORDING FOLDER"
         raise UserError(f"{folder}: no descriptors: {error.args[0]!s:.80} ({hint})", 2) from error

@@ -17,6 +17,7 @@ from sceneq_core.encoding.joint import (
     text_vector,
 )
 from sceneq_core.encoding.lessons import Lessons
+from sceneq_core.encoding.looks import FAMILIAR
 
 Classify = Callable[[Float32], tuple[Float32, Float32]]
 """(1, 3, side, side) scaled image -> logits (1000,), pooled feature (F,)."""
@@ -61,6 +62,11 @@ class Conse:
     def sized(self, descriptor: Float32, shape: Float64) -> Float32:
         """Return the descriptor (D,) of a thing that has this shape (4,), length 1."""
         return given_evidence(descriptor, self._lessons.sizes.evidence(shape))
+
+    def familiarity(self, feature: Float32) -> float:
+        """Return how much a feature (F,) is like one of the lessons, 1 = the same."""
+        looks = self._lessons.looks
+        return FAMILIAR if looks is None else looks.familiarity(feature)
 
     def encode_texts(self, texts: Sequence[str]) -> Float32:
         """Return (N, dim), L2-normalised."""

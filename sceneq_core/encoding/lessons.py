@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sceneq_core.arrays import Float32, Int64
+from sceneq_core.encoding.looks import Looks
 from sceneq_core.encoding.probe import Probe
 from sceneq_core.encoding.usual_sizes import UsualSizes
 
@@ -14,13 +15,15 @@ class Lessons:
     """Names, how things so called look (``probe``), and how large they are (``sizes``).
 
     ``text_vectors`` float32 (A, 384), length 1, are texts that mean a name, the name itself and
-    others; ``text_of`` int64 (A,) is the row of the name each of them means.
+    others; ``text_of`` int64 (A,) is the row of the name each of them means. ``looks`` are those
+    of the single things that taught, ``None`` = not remembered.
     """
 
     probe: Probe
     sizes: UsualSizes
     text_vectors: Float32
     text_of: Int64
+    looks: Looks | None = None
 
     def __post_init__(self) -> None:
         count = len(self.probe)

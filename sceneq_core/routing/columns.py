@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from sceneq_core.arrays import Float32, Float64, Int32, Int64
 from sceneq_core.mapping.delta import ROLES, Instance
+from sceneq_core.routing.described import Matrices
 
 ROLE_TEXT = f"<U{max(map(len, ROLES))}"
 
@@ -18,7 +19,8 @@ class Columns:
 
     ``instance_id`` int32 (N,); ``role`` (N,) text; ``aabb_world`` float64 (N, 2, 3) metres;
     ``voxel_count`` int64 (N,); ``label_mean`` float32 (N,) mean cosine with the label set;
-    ``colour_scores`` float32 (N, 11) cosines with ``COLOUR_TERMS``.
+    ``colour_scores`` float32 (N, 11) cosines with ``COLOUR_TERMS``; ``familiarity`` float32 (N,):
+    how much each looks like something that the encoder was taught with, 1 = the same.
     """
 
     instance_id: Int32
@@ -27,20 +29,20 @@ class Columns:
     voxel_count: Int64
     label_mean: Float32
     colour_scores: Float32
+    familiarity: Float32
 
 
-def columns_of(
-    geometry: Sequence[Instance], label_scores: Float32, colour_scores: Float32
-) -> Columns:
-    """Return the columns of instances, (N, C) and (N, 11) cosines being theirs."""
+def columns_of(geometry: Sequence[Instance], matrices: Matrices) -> Columns:
+    """Return the columns of instances whose descriptors are in ``matrices``."""
     boxes = [one.aabb_world for one in geometry]
     return Columns(
         instance_id=np.array([one.instance_id for one in geometry], np.int32),
         role=np.array([one.role for one in geometry], ROLE_TEXT),
         aabb_world=np.array(boxes, np.float64).reshape(-1, 2, 3),
         voxel_count=np.array([one.voxel_count for one in geometry], np.int64),
-        label_mean=label_scores.mean(axis=1),
-        colour_scores=colour_scores,
+        label_mean=matrices.label_scores.mean(axis=1),
+        colour_scores=matrices.colour_scores,
+        familiarity=matrices.familiarity,
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from sceneq_core.arrays import Float32, Float64
 from sceneq_core.encoding.colour import COLOUR_TERMS
 from sceneq_core.encoding.encoder import Encoder
+from sceneq_core.encoding.looks import familiarity
 from sceneq_core.encoding.usual_sizes import sized
 from sceneq_core.routing import scannet200
 from sceneq_core.routing.gate import capped, softmax
@@ -89,6 +90,10 @@ class Labeller:
     def sized(self, descriptor: Float32, shape: Float64) -> Float32:
         """Return the descriptor (D,) given the shape (4,) of its thing, if the encoder can."""
         return sized(self._encoder, descriptor, shape)
+
+    def familiarity(self, feature: Float32) -> float:
+        """Return how much an image feature (F,) is like what the encoder was taught, 1 = same."""
+        return familiarity(self._encoder, feature)
 
     def scores(self, descriptors: Float32) -> Float32:
         """Return the cosines float32 (N, C) of ``descriptors`` (N, D) with every label."""

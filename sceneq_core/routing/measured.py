@@ -95,7 +95,9 @@ class Measured:
 
     def _sized(self, bare: Described, shape: Float64) -> Described:
         descriptor: Float32 = self._labeller.sized(bare.descriptor, shape)
-        return bare if descriptor is bare.descriptor else describe(descriptor, self._labeller)
+        if descriptor is bare.descriptor:
+            return bare
+        return describe(descriptor, self._labeller, bare.familiarity)
 
 
 def _shape(instance: Instance, up_world: Float64, ground_m: float) -> Float64:

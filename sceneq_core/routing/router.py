@@ -24,6 +24,7 @@ from sceneq_core.routing.judge import Judge, JudgeParams, absence
 from sceneq_core.routing.labels import Labeller
 from sceneq_core.routing.likelihood import Fit, Likelihood
 from sceneq_core.routing.matches import MAX_MATCHES, matches_of_fit, matches_of_ranking
+from sceneq_core.routing.mixture import Fitting, Mixture
 from sceneq_core.routing.named_fit import judged_by_name, with_name
 from sceneq_core.routing.namer import Namer, OtherLabels
 from sceneq_core.routing.names import GivenName
@@ -34,6 +35,7 @@ from sceneq_core.routing.report import Reporter
 from sceneq_core.routing.scene import SceneSnapshot
 from sceneq_core.routing.sureness import Sureness
 from sceneq_core.routing.tally import Counter
+from sceneq_core.routing.unfamiliar import Unfamiliar
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,12 +46,14 @@ class RouterParams:
     not compete with them. ``null``: how probable "none of them" is; a calibration knows.
     ``null_described``: the same where words describe a thing rather than name it, ``None`` = alike;
     ``sureness_described``: how sure the first guess then is, ``None`` = as the softmax says.
+    ``unfamiliar``: all this where things look strange to the encoder, ``None`` = alike.
     """
 
     judge: JudgeParams = field(default_factory=JudgeParams)
     null: NullParams | None = None
     null_described: NullParams | None = None
     sureness_described: Sureness | None = None
+    unfamiliar: Unfamiliar | None = None
     top_k: int = 10
     synonym_cosine: float = 0.8
 
@@ -103,8 +107,7 @@ class Router:
         self.namer = Namer(labeller, self._judge, encoder.temperature, params.top_k)
         self.other_labels = OtherLabels(self.namer, encoder)
         self._reader = Reader(tower, labeller, params.synonym_cosine)
-        nulls = params.null, params.null_described, params.sureness_described
-        self._likelihood = Likelihood(tower, encoder.temperature, encoder.ceiling, *nulls)
+        self._likelihood = _likelihood(tower, encoder, params)
         counter = Counter(self._likelihood, params.judge.min_claim)
         self.pictures = PictureMatcher(labeller, self._judge, encoder.temperature)
         self.reporter = Reporter(self._judge, counter)
@@ -224,6 +227,18 @@ class Router:
         if constraints and status != NOT_FOUND:
             return AMBIGUOUS, f"ranked by '{target or 'anything'}' only, {_left_out(question)}"
         return status, reason
+
+
+def _likelihood(tower: TextTower, encoder: Encoder, params: RouterParams) -> Fitting:
+    """Return the likelihood of a calibration, or the mixture of its two."""
+    nulls = params.null, params.null_described, params.sureness_described
+    familiar = Likelihood(tower, encoder.temperature, encoder.ceiling, *nulls)
+    strange = params.unfamiliar
+    if strange is None:
+        return familiar
+    nulls = strange.null, strange.null_described, strange.sureness_described
+    unfamiliar = Likelihood(tower, strange.temperature, encoder.ceiling, *nulls)
+    return Mixture(familiar, unfamiliar, strange)
 
 
 def _empty(snapshot: SceneSnapshot, question: Question) -> Answer:

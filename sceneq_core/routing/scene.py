@@ -3,14 +3,15 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
+from types import MappingProxyType
 
 import numpy as np
 
 from sceneq_core.arrays import Float32, Float64, Int32
-from sceneq_core.encoding.colour import COLOUR_TERMS
+from sceneq_core.encoding.looks import FAMILIAR
 from sceneq_core.mapping.delta import OBJECT, REMOVED, TENTATIVE, Instance
 from sceneq_core.routing.columns import Columns, columns_of, joined
-from sceneq_core.routing.described import Described, Matrices, describe, stacked
+from sceneq_core.routing.described import Described, Matrices, describe, no_matrices, stacked
 from sceneq_core.routing.labels import Label, Labeller
 from sceneq_core.routing.measured import Measured
 from sceneq_core.routing.names import NO_NAMES, Names
@@ -23,9 +24,7 @@ Box = tuple[float, float, float, float]
 PAGE = 256
 """So many neighbouring ids are made anew together: what a change costs does not depend on the size
 of the map, and a question still meets few, large blocks."""
-NO_COLUMNS = columns_of(
-    (), np.zeros((0, 1), np.float32), np.zeros((0, len(COLOUR_TERMS)), np.float32)
-)
+NO_COLUMNS = columns_of((), no_matrices(1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,9 +170,15 @@ class Scene:
                 self._views.pop(instance_id, None)
 
     def apply_descriptors(
-        self, map_epoch: int, descriptors: Mapping[int, Float32], removed: Int32
+        self,
+        map_epoch: int,
+        descriptors: Mapping[int, Float32],
+        removed: Int32,
+        familiarity: Mapping[int, float] = MappingProxyType({}),
     ) -> None:
         """Take over changed descriptors by id in the map of ``map_epoch``; labels follow for these.
+
+        ``familiarity`` of these, where it is known; the others look like what was taught.
 
         Raises:
             ValueError: a descriptor whose length is not the label texts' or that is not finite.
@@ -185,7 +190,8 @@ class Scene:
                     f"descriptor of instance {instance_id}: expected {self._dim} finite numbers, "
                     f"got shape {descriptor.shape}"
                 )
-            described[instance_id] = describe(descriptor, self._labeller)
+            familiar = familiarity.get(instance_id, FAMILIAR)
+            described[instance_id] = describe(descriptor, self._labeller, familiar)
         if map_epoch != self._described_epoch:
             self._described = {}
             self._forget_pages()
@@ -255,7 +261,7 @@ class Scene:
                 SceneInstance(one, self._views[key], self._label(key))
                 for key, one in zip(ids, geometry, strict=True)
             ),
-            columns=columns_of(geometry, matrices.label_scores, matrices.colour_scores),
+            columns=columns_of(geometry, matrices),
             matrices=matrices,
             waiting=tuple(self._geometry[key] for key in here if key not in known),
         )

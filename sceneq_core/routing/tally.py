@@ -10,8 +10,9 @@ from sceneq_core.reasoning.geometric import GeometricParams, GeometricReasoner
 from sceneq_core.reasoning.reasoner import Problem
 from sceneq_core.routing.answer import Match
 from sceneq_core.routing.candidates import pose_problem
-from sceneq_core.routing.likelihood import Fit, Likelihood
+from sceneq_core.routing.likelihood import Fit
 from sceneq_core.routing.matches import MAX_MATCHES
+from sceneq_core.routing.mixture import Fitting
 from sceneq_core.routing.named_fit import with_name_each
 from sceneq_core.routing.question import Question, Wanted
 from sceneq_core.routing.scene import SceneSnapshot
@@ -48,7 +49,7 @@ NOTHING = Tally((), (), 0.0)
 class Counter:
     """Counts instances by what the encoder says of each and by the geometry of the map."""
 
-    def __init__(self, likelihood: Likelihood, min_claim: float) -> None:
+    def __init__(self, likelihood: Fitting, min_claim: float) -> None:
         self._likelihood = likelihood
         self._min_claim = min_claim
         self._geometry = GeometricReasoner(GeometricParams())

@@ -12,6 +12,7 @@ from sceneq_core.routing.labels import custom, named
 from sceneq_core.routing.null import NullParams
 from sceneq_core.routing.router import RouterParams
 from sceneq_core.routing.sureness import Sureness
+from sceneq_core.routing.unfamiliar import Unfamiliar
 from sceneq_nodes._calibration import Calibration, read_calibration
 from sceneq_nodes._new_router import new_router
 
@@ -21,10 +22,13 @@ GATE = GateParams(min_p=0.4, min_margin=0.1, max_entropy_norm=0.6, clear_margin=
 NULL = NullParams(temperature=0.05, name=1.0, said=0.5, standing=2.0, bias=-3.0)
 DESCRIBED = NullParams(temperature=0.1, name=0.2, said=0.0, standing=0.5, bias=1.0)
 SURENESS = Sureness(slope=0.7, shift=0.2)
-CALIBRATION = Calibration("words", 0.07, GATE, NULL, "scannet200", ("a" * 64,), DESCRIBED, SURENESS)
+UNFAMILIAR = Unfamiliar(0.09, 0.8, 150.0, NULL, DESCRIBED, SURENESS)
+CALIBRATION = Calibration(
+    *("words", 0.07, GATE, NULL, "scannet200", ("a" * 64,)), DESCRIBED, SURENESS, UNFAMILIAR
+)
 
 
-NEWEST = ("sureness_described",)
+NEWEST = ("sureness_described", "unfamiliar")
 
 
 @pytest.fixture(autouse=True)
@@ -43,6 +47,9 @@ def test_what_is_written_is_read_again(tmp_path):
     assert read_calibration(write(tmp_path, document)) == CALIBRATION
     nothing_absent = replace(CALIBRATION, null=None, null_described=None, sureness_described=None)
     assert read_calibration(write(tmp_path, nothing_absent.as_dict())) == nothing_absent
+    bare = replace(UNFAMILIAR, null=None, null_described=None, sureness_described=None)
+    for other in (replace(CALIBRATION, unfamiliar=one) for one in (None, bare)):
+        assert read_calibration(write(tmp_path, other.as_dict())) == other
 
 
 def test_the_name_tells_the_encoder_and_changes_with_every_number():
@@ -51,11 +58,12 @@ def test_the_name_tells_the_encoder_and_changes_with_every_number():
         replace(CALIBRATION, null=None),
         replace(CALIBRATION, null_described=None),
         replace(CALIBRATION, sureness_described=None),
+        replace(CALIBRATION, unfamiliar=None),
         replace(CALIBRATION, gate=GateParams()),
         replace(CALIBRATION, sha256=("b" * 64,)),
     )
     names = {one.name for one in (CALIBRATION, *others)}
-    assert len(names) == 7
+    assert len(names) == 8
     assert all(len(name) == len("words:12345678") for name in names)
     assert all(name.startswith("words:") for name in names)
 
@@ -66,6 +74,7 @@ def test_the_name_tells_the_encoder_and_changes_with_every_number():
         ("v1", ("null", "null_described", *NEWEST), "knows no 'none of them'"),
         ("v2", ("null_described", *NEWEST), "does not tell what is named from what is described"),
         ("v3", NEWEST, "does not know how sure a first guess for a description is"),
+        ("v4", ("unfamiliar",), "does not tell familiar scenes from unfamiliar ones"),
     ],
 )
 def test_files_of_former_formats_are_refused_with_what_to_do(tmp_path, version, missing, lacks):

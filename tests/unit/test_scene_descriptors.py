@@ -24,6 +24,7 @@ from sceneq_tools.scene_files import (
 from support.true_map import delta
 
 ROWS = {7: np.array([0.6, 0.8], np.float32), 3: np.array([1.0, 0.0], np.float32)}
+FEATURES = {7: np.array([0.0, 0.0, 1.0], np.float32), 3: np.array([0.0, 1.0, 0.0], np.float32)}
 
 
 def write(folder: Path, descriptors: Descriptors) -> Path:
@@ -39,14 +40,15 @@ def replica() -> MapReplica:
 
 
 def test_descriptors_are_kept_by_id(tmp_path):
-    read = read_descriptors(write(tmp_path, Descriptors("hash-v1", ROWS)))
+    read = read_descriptors(write(tmp_path, Descriptors("hash-v1", ROWS, FEATURES)))
     assert read.model == "hash-v1"
     assert {key: row.tolist() for key, row in read.rows.items()} == {
         key: row.tolist() for key, row in ROWS.items()
     }
-    ids, rows = read.arrays()
+    ids, rows, features = read.arrays()
     assert ids.tolist() == [3, 7]
     assert rows.dtype == np.float32
+    assert features.tolist() == [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
 
 
 def test_a_scene_without_an_encoder_has_none(tmp_path):
@@ -54,7 +56,7 @@ def test_a_scene_without_an_encoder_has_none(tmp_path):
 
 
 def test_the_digest_of_the_map_does_not_depend_on_them(tmp_path):
-    one = read_scene(write(tmp_path / "a", Descriptors("hash-v1", ROWS)))[1]
+    one = read_scene(write(tmp_path / "a", Descriptors("hash-v1", ROWS, FEATURES)))[1]
     two = read_scene(write(tmp_path / "b", no_descriptors()))[1]
     assert one["digest"] == two["digest"]
 

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sceneq_core.arrays import Float32, Float64, Int32, UInt8
-from sceneq_core.encoding.describe import Describer
+from sceneq_core.arrays import Float64, Int32, UInt8
+from sceneq_core.encoding.describe import Describer, Description
 from sceneq_core.frame import Frame
 from sceneq_core.ingest.ingestor import Ingested
 from sceneq_core.ingest.source import Skipped
@@ -102,8 +102,12 @@ def oracle(folder: Path, setup: Setup, advance: Advance) -> Oracle:
     scene.apply_map(Revision(EPOCH, 1, last.seq, last.stamp_ns), instances, UP_WORLD, full=True)
     view_sets = selector.view_sets()
     scene.apply_views(EPOCH, {one.instance_id: _refs(one) for one in view_sets})
-    descriptors = dict(_described(setup, selector, view_sets, advance))
-    scene.apply_descriptors(EPOCH, descriptors, NO_IDS)
+    described = dict(_described(setup, selector, view_sets, advance))
+    familiarity = {
+        key: setup.router.labeller.familiarity(one.feature) for key, one in described.items()
+    }
+    descriptors = {key: one.descriptor for key, one in described.items()}
+    scene.apply_descriptors(EPOCH, descriptors, NO_IDS, familiarity)
     scene.move_viewpoint(last.T_world_camera[:3, 3])
     snapshot = scene.snapshot()
     return Oracle(snapshot, tuple(one.instance_id for one in snapshot.waiting))
@@ -215,7 +219,7 @@ def _refs(view_set: ViewSet) -> tuple[ViewRef, ...]:
 
 def _described(
     setup: Setup, selector: ViewSelector, view_sets: Sequence[ViewSet], advance: Advance
-) -> Iterator[tuple[int, Float32]]:
+) -> Iterator[tuple[int, Description]]:
     describer = Describer(setup.encoder, setup.describe)
 
     def image(view: View) -> UInt8 | None:
@@ -226,4 +230,4 @@ def _described(
         description = describer.describe(view_set, image)
         advance()
         if description is not None:
-            yield view_set.instance_id, description.descriptor
+            yield view_set.instance_id, description

@@ -77,12 +77,14 @@ def _snapshot(
     if described.model != model:
         was = f"described by the encoder {described.model!r}, the graph has {model!r}"
         raise UserError(f"{folder}: {was}", 2)
-    scene, records = Scene(setup.router.labeller), document["instances"]
+    labeller = setup.router.labeller
+    scene, records = Scene(labeller), document["instances"]
+    familiarity = {key: labeller.familiarity(one) for key, one in described.features.items()}
     up_world = np.asarray(document["up_world"], np.float64)
     revision = Revision(EPOCH, 1, document["frame_seq"], 0)
     scene.apply_map(revision, map(_instance, records), up_world, full=True)
     scene.apply_views(EPOCH, {int(record["id"]): _views(record) for record in records})
-    scene.apply_descriptors(EPOCH, described.rows, NO_IDS)
+    scene.apply_descriptors(EPOCH, described.rows, NO_IDS, familiarity)
     scene.move_viewpoint(viewpoint_world)
     return scene.snapshot()
 
