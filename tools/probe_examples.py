@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from sceneq_core.arrays import Bool, Float32, Float64, UInt8
+from sceneq_core.encoding.joint import unit
 from sceneq_core.encoding.pyramid import pyramid
 from sceneq_core.encoding.usual_sizes import shape_of
 from sceneq_core.views.jpeg import rgb_from_jpeg
@@ -20,14 +21,23 @@ from sceneq_tools.evaluation.true_things import THINGS_FILE, read_things
 from sceneq_tools.progress import Advance
 from sceneq_tools.room.portrait.album import is_album, pages
 
+QUARTERS = 4
+"""Parts that all models of furniture fall into, to teach with three of them."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Example:
-    """One view of a thing: ``names`` (the first is taught), ``features`` (L, F), ``shape`` (4,)."""
+    """One view of a thing: ``names`` (the first is taught), ``features`` (L, F), ``shape`` (4,).
+
+    ``model`` of furniture, '' = none. ``thing``: which single thing it is, of those in a folder
+    of a recording, or of the models in an album.
+    """
 
     names: tuple[str, ...]
     features: Float32
     shape: Float64
+    model: str
+    thing: str
 
 
 def examples(folder: Path, setup: Setup, advance: Advance) -> Iterator[Example]:
@@ -46,6 +56,35 @@ def as_arrays(found: Sequence[Example]) -> tuple[list[str], Float32]:
     return names, np.concatenate([one.features for one in found])
 
 
+def as_things(found: Sequence[Example]) -> Float32:
+    """Return one feature per thing (T, F), of length 1, by their first appearance.
+
+    The mean over its views of their means over levels: as instances are described.
+    """
+    views: dict[str, list[Float32]] = {}
+    for one in found:
+        views.setdefault(one.thing, []).append(one.features.mean(axis=0))
+    return np.stack([unit(np.mean(seen, axis=0)) for seen in views.values()])
+
+
+def quarter(model: str) -> int:
+    """Return which quarter, 1 to 4, a model falls into, whatever the others are."""
+    fingerprint = hashlib.md5(model.encode(), usedforsecurity=False).hexdigest()
+    return 1 + int(fingerprint, 16) % QUARTERS
+
+
+def without_quarter(
+    found: Sequence[Example], number: int | None
+) -> tuple[list[Example], list[str]]:
+    """Return the examples without the models of a quarter, and these models, sorted.
+
+    What has no model stays; with ``None`` everything does.
+    """
+    models = {one.model for one in found if one.model}
+    withheld = {model for model in models if quarter(model) == number}
+    return [one for one in found if one.model not in withheld], sorted(withheld)
+
+
 def digest(found: Sequence[Example]) -> str:
     """Return a fingerprint of the examples."""
     hashed = hashlib.sha256()
@@ -58,7 +97,7 @@ def digest(found: Sequence[Example]) -> str:
 def _recorded(folder: Path, setup: Setup, advance: Advance) -> Iterator[Example]:
     """Yield the views and crops of a recording that a robot would choose."""
     names = {thing.id: thing.names for thing in read_things(folder / THINGS_FILE)}
-    shapes = _shapes(folder)
+    shapes, models = _shapes(folder), _models(folder)
     selector = true_views(folder, setup)
     for view_set in selector.view_sets():
         key = view_set.instance_id
@@ -66,14 +105,16 @@ def _recorded(folder: Path, setup: Setup, advance: Advance) -> Iterator[Example]
             jpeg = selector.image(view.seq)
             if jpeg is not None:
                 features = _features(setup, rgb_from_jpeg(jpeg), view)
-                yield Example(names[key], features, shapes[key])
+                thing = f"{folder}/{key}"
+                yield Example(names[key], features, shapes[key], models[key], thing)
         advance()
 
 
 def _portrayed(folder: Path, setup: Setup, advance: Advance) -> Iterator[Example]:
     for page in pages(folder):
         view = _whole_view(page.mask)
-        yield Example((page.name,), _features(setup, page.rgb, view), page.shape)
+        features = _features(setup, page.rgb, view)
+        yield Example((page.name,), features, page.shape, page.model, thing=page.model)
         advance()
 
 
@@ -87,6 +128,12 @@ def _whole_view(mask: Bool) -> View:
     box = np.array([left, top, left + width, top + height], np.float32)
     part = mask[top : top + height : 2, left : left + width : 2]
     return View(0, 0, int(mask.sum()), box, part)
+
+
+def _models(folder: Path) -> dict[int, str]:
+    """Return the model of furniture of every thing of a recording, '' = none is told."""
+    records = json.loads((folder / THINGS_FILE).read_text())["instances"]
+    return {int(record["id"]): str(record.get("model") or "") for record in records}
 
 
 def _shapes(folder: Path) -> dict[int, Float64]:

@@ -40,7 +40,7 @@ def typed(reader: Reader, pattern: str) -> str:
 
 
 def test_every_command_is_typed_here() -> None:
-    assert len(shortened(__file__)) == 3
+    assert len(shortened(__file__)) == 4
 
 
 def test_what_was_taught_can_be_asked(reader: Reader) -> None:
@@ -72,6 +72,9 @@ def test_portraits_teach_beside_rooms(reader: Reader, monkeypatch: pytest.Monkey
     portraits = list(pages(reader.folder / "portraits"))
     assert len(portraits) == int(taken[1]) > 0
     assert {one.name for one in portraits} == {"sofa"}
-    typed(reader, r"sceneq train-probe rooms/\* portraits portraits")
+    typed(reader, r"sceneq train-probe rooms/\* portraits portraits --out")
     names = read_probe(reader.folder / PROBE).lessons.probe.names
     assert {"ball", "table", "sofa"} <= set(names)
+    typed(reader, r"sceneq train-probe rooms/\* portraits portraits --withhold")
+    (file,) = (reader.folder / "strangers").glob("*.npz")
+    assert read_probe(file).lessons.probe.names == names

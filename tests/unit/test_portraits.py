@@ -74,6 +74,7 @@ def test_an_album_comes_back_as_it_was_kept(taken, tmp_path):
     back = list(pages(tmp_path))
     assert is_album(tmp_path)
     assert [one.name for one in back] == [one.posed.sitter.name for one in shots]
+    assert [one.model for one in back] == [one.posed.sitter.model_id for one in shots]
     assert all(np.array_equal(a.mask, b.mask) for a, b in zip(back, shots, strict=True))
     assert np.exp(back[0].shape[0]) == pytest.approx(1.9, rel=1e-5)
 
@@ -87,9 +88,12 @@ def test_a_damaged_album_is_named(tmp_path):
 def test_lessons_are_learned_from_portraits(taken, tmp_path):
     keep(tmp_path, 0, taken[2])
     found = list(examples(tmp_path, hash_setup(), lambda n=1: None))
+    assert [one.thing for one in found] == [one.model for one in found]
+    assert {one.model for one in found} >= {"sofa", "lamp"}
     assert {len(one.features) for one in found} == {hash_setup().describe.levels}
     texts = meanings(found)
     lessons = learn(found, texts, lambda said: np.ones((len(said), 384), np.float32), rounds=1)
     assert set(lessons.probe.names) == {one.names[0] for one in found}
     assert len(lessons.text_of) == len(texts)
+    assert len(lessons.looks.things) == len({one.model for one in found})
     assert digest(found) == digest(found) != digest(found[:-1])

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from sceneq_core.evaluation.familiarity_fit import fit_familiarity
 from sceneq_core.evaluation.gate_tuning import tune_gate
 from sceneq_core.evaluation.null_fit import fit_null
 from sceneq_core.evaluation.proper_scores import log_loss
@@ -16,6 +17,7 @@ from sceneq_core.evaluation.sureness_fit import fit_sureness
 from sceneq_core.evaluation.temperature import fit_temperature
 from sceneq_core.routing.null import Evidence, NullParams
 from sceneq_core.routing.sureness import Sureness
+from sceneq_core.routing.unfamiliar import Unfamiliar, scene_familiarity
 from sceneq_nodes._calibration import Calibration
 from sceneq_tools.evaluation.absent_names import absent_names, absent_purposes
 from sceneq_tools.evaluation.calibration import (
@@ -26,6 +28,7 @@ from sceneq_tools.evaluation.calibration import (
     questions_of,
 )
 from sceneq_tools.evaluation.calibration_guesses import decisions, question_guesses
+from sceneq_tools.evaluation.label_ceilings import label_ceiling
 from sceneq_tools.evaluation.retrieval_candidates import Candidates
 from sceneq_tools.evaluation.retrieval_queries import Query
 from sceneq_tools.evaluation.retrieval_setup import Setup
@@ -50,13 +53,33 @@ class Counted:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Examples:
+    """Scenes of one kind: their ``true`` instances, and ``maps`` of them."""
+
+    true: tuple[Scene, ...] = ()
+    maps: tuple[Scene, ...] = ()
+
+    @property
+    def all(self) -> tuple[Scene, ...]:
+        """Both."""
+        return (*self.true, *self.maps)
+
+
+NOTHING = Examples()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Fitted:
-    """A calibration, what it was fitted on, and the measures there before and after."""
+    """A calibration, what it was fitted on, and the measures there before and after.
+
+    ``strange``: the measures after it on what looks strange, ``None`` where nothing does.
+    """
 
     calibration: Calibration
     task: str
     before: CalibrationReport
     after: CalibrationReport
+    strange: CalibrationReport | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Return the content of calibration.json."""
@@ -67,41 +90,80 @@ class Fitted:
             "label_set": self.after.tasks[1].choices,
             "before": brief(self.before),
             "after": brief(self.after),
+            "strange": brief(self.strange) if self.strange else None,
         }
 
 
-def fit(scenes: Sequence[Scene], setup: Setup, task: str, maps: Sequence[Scene] = ()) -> Fitted:
+def fit(
+    scenes: Sequence[Scene],
+    setup: Setup,
+    task: str,
+    maps: Sequence[Scene] = (),
+    strange: Examples = NOTHING,
+) -> Fitted:
     """Fit T by the mean negative log-likelihood of ``task``, "none of them", sureness, then gate.
 
     "None of them" is fitted by the likelihood of whether there is a right one, sureness by that of
     whether the first guess is right, the gate by F1 on questions; ``before`` is without any
     calibration. ``maps`` are asked the same questions as the true instances in ``scenes``, but name
-    nothing: what a fragment is called has no right answer.
+    nothing: what a fragment is called has no right answer. On ``strange`` scenes all but the gate
+    is fitted once more, and how to tell them.
 
     Raises:
         ValueError: nothing in the scenes has a right answer to fit to.
     """
-    plain = setup.with_calibration(None)
-    everything = (*scenes, *maps)
-    temperature = fit_temperature(lambda t: _loss(scenes, maps, plain, task, t))
-    warm = replace(
-        _untuned(plain, round(temperature, DIGITS)),
+    plain, known = setup.with_calibration(None), Examples(tuple(scenes), tuple(maps))
+    ungated = replace(
+        _ungated(known, plain, task),
         label_set=plain.router.labeller.label_set.name,
         sha256=tuple(scene.questioned.sha256 for scene in scenes),
     )
-    null, null_described = _nulls(everything, plain, warm)
-    told = replace(warm, null=null, null_described=null_described)
-    sureness = _sureness(everything, plain.with_calibration(told)) if null else None
-    known = replace(told, sureness_described=sureness)
-    asked = questions_of(everything, plain.with_calibration(known).router)
-    tuned = tune_gate(decisions(asked), known.gate, setup.params.judge.min_claim)
-    calibration = replace(known, gate=tuned)
+    if strange.all:
+        ungated = _knowing_strangers(ungated, known, strange, plain, task)
+    asked = questions_of((*known.all, *strange.all), plain.with_calibration(ungated).router)
+    tuned = tune_gate(decisions(asked), ungated.gate, setup.params.judge.min_claim)
+    calibration = replace(ungated, gate=tuned)
+    calibrated = plain.with_calibration(calibration)
     return Fitted(
         calibration=calibration,
         task=task,
         before=evaluate_calibration(scenes, plain),
-        after=evaluate_calibration(scenes, plain.with_calibration(calibration)),
+        after=evaluate_calibration(scenes, calibrated),
+        strange=evaluate_calibration(strange.true, calibrated) if strange.true else None,
     )
+
+
+def _ungated(examples: Examples, plain: Setup, task: str) -> Calibration:
+    """Return T, "none of them" and sureness for one kind of scenes."""
+    temperature = fit_temperature(lambda t: _loss(examples.true, examples.maps, plain, task, t))
+    warm = _untuned(plain, round(temperature, DIGITS))
+    null, null_described = _nulls(examples.all, plain, warm)
+    told = replace(warm, null=null, null_described=null_described)
+    sureness = _sureness(examples.all, plain.with_calibration(told)) if null else None
+    return replace(told, sureness_described=sureness)
+
+
+def _knowing_strangers(
+    known: Calibration, at_home: Examples, strange: Examples, plain: Setup, task: str
+) -> Calibration:
+    """Return a calibration that also knows how sure to be of what looks strange."""
+    abroad = _ungated(strange, plain, task)
+    looks = [
+        np.array([scene_familiarity(one.candidates.snapshot.columns) for one in examples.all])
+        for examples in (at_home, strange)
+    ]
+    middle, slope = (round(value, DIGITS) for value in fit_familiarity(*looks))
+    unfamiliar = Unfamiliar(
+        temperature=abroad.temperature,
+        middle=middle,
+        slope=slope,
+        null=abroad.null,
+        null_described=abroad.null_described,
+        sureness_described=abroad.sureness_described,
+    )
+    warm = plain.with_calibration(known).router.labeller
+    ceiling = label_ceiling(at_home.true, strange.true, warm)
+    return replace(known, unfamiliar=unfamiliar, label_ceiling=ceiling)
 
 
 def brief(report: CalibrationReport) -> dict[str, Any]:

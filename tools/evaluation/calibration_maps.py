@@ -17,17 +17,32 @@ LEAST_IOU = 0.25
 
 
 def map_scenes(
-    paths: Sequence[Path], split: str, setup: Setup, options: MapOptions, quiet: bool
+    paths: Sequence[Path],
+    split: str,
+    setup: Setup,
+    options: MapOptions,
+    quiet: bool,
+    overlaps: Sequence[float] = (LEAST_IOU,),
 ) -> list[Scene]:
-    """Return the maps of recordings, of suites those of ``split``, made unless they are there."""
+    """Return the maps of recordings, of suites those of ``split``, made unless they are there.
+
+    A hit is an instance whose IoU with the thing is one of ``overlaps`` at least.
+    """
     scenes = []
     for recording in recordings_of(paths):
         if recording.split in (split, GIVEN):
             folder = mapped(recording, options, quiet).folder
             truth = read_truth(recording.folder)
-            own = map_candidates(folder, recording.folder, truth, setup, (LEAST_IOU,))
+            own = map_candidates(folder, recording.folder, truth, setup, overlaps)
             scenes.append(Scene(read_questioned(recording.folder), own))
     return scenes
+
+
+def judged_by(scene: Scene, overlap: float) -> Scene:
+    """Return a scene with one of its rules only."""
+    rule = f"IoU >= {overlap:g}"
+    own = scene.candidates
+    return Scene(scene.questioned, replace(own, matches={rule: own.matches[rule]}))
 
 
 def of_map(questioned: Questioned, own: Candidates) -> Scene:

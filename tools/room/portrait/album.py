@@ -17,9 +17,10 @@ PATTERN = "portraits-*.npz"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Page:
-    """A portrait that was kept: picture ``rgb`` (h, w, 3), ``mask`` (h, w), ``shape`` (4,)."""
+    """A portrait of a ``model``: picture ``rgb`` (h, w, 3), ``mask`` (h, w), ``shape`` (4,)."""
 
     name: str
+    model: str
     rgb: UInt8
     mask: Bool
     shape: Float64
@@ -53,15 +54,17 @@ def pages(folder: Path) -> Iterator[Page]:
     for path in sorted(folder.glob(PATTERN)):
         try:
             with np.load(path, allow_pickle=False) as arrays:
-                names, shapes = arrays["name"].tolist(), arrays["shape"]
-                for row, name in enumerate(names):
+                names, models = arrays["name"].tolist(), arrays["model"].tolist()
+                shapes = arrays["shape"]
+                for row, (name, model) in enumerate(zip(names, models, strict=True)):
                     bgr = cv2.imdecode(arrays[f"jpeg_{row}"], cv2.IMREAD_COLOR)
                     if bgr is None:
                         raise ValueError(f"jpeg_{row} is no picture")
                     rgb = np.asarray(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB), np.uint8)
                     count = rgb.shape[0] * rgb.shape[1]
                     bits = np.unpackbits(arrays[f"mask_{row}"], count=count)
-                    yield Page(str(name), rgb, bits.reshape(rgb.shape[:2]) > 0, shapes[row])
+                    mask = bits.reshape(rgb.shape[:2]) > 0
+                    yield Page(str(name), str(model), rgb, mask, shapes[row])
         except (OSError, ValueError, KeyError, cv2.error) as error:
             raise UserError(f"{path}: no portraits: {error!r:.120}", 2) from error
 

@@ -1,0 +1,42 @@
+"""Which scenes look familiar, told from examples of both kinds."""
+
+import numpy as np
+
+from sceneq_core.arrays import Bool, Float64
+from sceneq_core.logistic import least_log_loss
+from sceneq_core.routing.label_ceiling import LabelCeiling
+
+LEAST_VARIANCE = 1e-6
+"""So that scenes that are all alike do not make the decision infinitely sharp."""
+
+
+def fit_familiarity(known: Float64, strange: Float64) -> tuple[float, float]:
+    """Return the ``middle`` and ``slope`` of the log odds that a scene is a known one.
+
+    ``known`` (K,) and ``strange`` (S,) are how familiar scenes of either kind look. Two normal
+    distributions of one variance, both kinds as likely: Fisher's linear discriminant (R. Fisher,
+    Annals of Eugenics 1936, DOI 10.1111/j.1469-1809.1936.tb02137.x).
+
+    Raises:
+        ValueError: there is none of a kind, or strange scenes look as familiar as known ones.
+    """
+    if not len(known) or not len(strange):
+        raise ValueError(f"familiarity: {len(known)} known scenes and {len(strange)} strange ones")
+    far, near = float(strange.mean()), float(known.mean())
+    if near <= far:
+        raise ValueError(f"familiarity: {near:.3f} of known scenes, {far:.3f} of strange ones")
+    variance = max((float(known.var()) + float(strange.var())) / 2.0, LEAST_VARIANCE)
+    return (near + far) / 2.0, (near - far) / variance
+
+
+def fit_label_ceiling(familiarity: Float64, right: Bool, counts: Float64) -> LabelCeiling | None:
+    """Return how often first names (N,) are ``right`` (N,) at this ``familiarity`` (N,).
+
+    ``counts`` (N,) is how much each counts. ``None`` when all are right or all are wrong.
+    """
+    if len(set(right.tolist())) < 2:
+        return None
+    (slope, shift), _ = least_log_loss(
+        familiarity[:, None], right.astype(np.float64), counts=counts, nonnegative=True
+    )
+    return LabelCeiling(float(slope), float(shift))
