@@ -16,7 +16,7 @@ from sceneq_core.routing.scene import SceneSnapshot
 from sceneq_core.routing.unfamiliar import Unfamiliar, scene_familiarity
 
 NEGLIGIBLE = 1e-3
-"""Who counts less than this is not asked: most scenes are plainly one or the other."""
+"""Who counts less than this is not asked: most scenes are plainly familiar or not."""
 
 
 class Fitting(Protocol):
@@ -43,8 +43,6 @@ class Mixture:
         share = self._share(scene_familiarity(snapshot.columns))
         if share < NEGLIGIBLE:
             return self._familiar.fit(snapshot, wanted)
-        if share > 1.0 - NEGLIGIBLE:
-            return self._unfamiliar.fit(snapshot, wanted)
         return mixed(
             self._familiar.fit(snapshot, wanted), self._unfamiliar.fit(snapshot, wanted), share
         )
@@ -64,6 +62,8 @@ def mixed(one: Fit, other: Fit, share: float) -> Fit:
     """Return the mixture of two fits to the same instances, ``share`` of it the other.
 
     Mixed are the probabilities of all instances and of none of them; ``evidence`` is that of one.
+    ``kind``, by which a reasoner chooses among instances that geometry allows, stays at least half
+    that of one: which is likelier than which needs no caution (docs/adr/0032).
     """
     meant = (1.0 - share) * one.presence * one.p + share * other.presence * other.p
     there = (1.0 - share) * one.presence + share * other.presence
@@ -71,7 +71,7 @@ def mixed(one: Fit, other: Fit, share: float) -> Fit:
     return replace(
         one,
         p=p,
-        kind=(1.0 - share) * one.kind + share * other.kind,
+        kind=(1.0 - share / 2.0) * one.kind + share / 2.0 * other.kind,
         order=one.order[np.argsort(-p[one.order], kind="stable")],
         presence=there,
     )

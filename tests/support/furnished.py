@@ -124,8 +124,9 @@ def snapshot(things: Sequence[Thing] = ROOM, noise: float = 0.3) -> SceneSnapsho
     return furnish(things, noise).snapshot()
 
 
-def router(params: RouterParams | None = None) -> Router:
+def router(params: RouterParams | None = None, temperature: float | None = None) -> Router:
     encoder = WordEncoder()
+    encoder.temperature = temperature or WordEncoder.temperature
     return Router(params or RouterParams(), encoder, Labeller(named("scannet200"), encoder))
 
 

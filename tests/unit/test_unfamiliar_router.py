@@ -62,6 +62,14 @@ def test_in_between_both_count_by_how_familiar_the_room_is():
     assert sum(m.p for m in between.matches) + nulls[2] == pytest.approx(1)
 
 
+def test_which_of_the_candidates_is_such_a_thing_is_said_half_by_either():
+    question, room = MIXED.read("the cup on the coffee table"), seen(0.3)
+    abroad = router(RouterParams(null=TIMID), temperature=0.2)
+    fits = [one.fits(room, question)["cup"].kind for one in (HOME, abroad, MIXED)]
+    assert fits[2] == pytest.approx((fits[0] + fits[1]) / 2, abs=1e-9)
+    assert MIXED.fits(seen(0.95), question)["cup"].kind == pytest.approx(fits[0])
+
+
 def test_how_sure_descriptions_are_depends_on_the_room_too():
     sure = replace(STRANGE, null_described=replace(TIMID, bias=5.0), sureness_described=None)
     surer = replace(sure, sureness_described=Sureness(slope=1.5, shift=2.0))
