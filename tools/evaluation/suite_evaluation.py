@@ -53,13 +53,15 @@ def evaluate(scenes: Sequence[SuiteScene], setup: Setup) -> Evaluation:
         for name, one in setups.items()
     }
     measured = {split: by_split[split] for split in (TEST, GIVEN) if by_split[split]}
+    together = {f"{TEST} and {GIVEN}": [*by_split[TEST], *by_split[GIVEN]]}
+    calibrated = {**measured, **together} if len(measured) > 1 else measured
     document = {
         "recordings": [_recording(scene, asked[CONFIGURED]) for scene in scenes],
         "instances": {split: _instances(some) for split, some in by_split.items() if some},
         "retrieval": [row for name, some in asked.items() for row in _retrieval(name, some)],
         "calibration": [
             {"split": split, "setting": name, **evaluate_calibration(_plain(some), one).as_dict()}
-            for split, some in measured.items()
+            for split, some in calibrated.items()
             for name, one in setups.items()
         ],
         "fitted": fitted and fitted.as_dict(),
