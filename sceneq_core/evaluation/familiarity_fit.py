@@ -6,7 +6,7 @@ from sceneq_core.arrays import Bool, Float64
 from sceneq_core.logistic import least_log_loss
 from sceneq_core.routing.label_ceiling import LabelCeiling
 
-LEAST_VARIANCE = 1e-6
+LEAST_VARIANCE = 1e-4
 """So that scenes that are all alike do not make the decision infinitely sharp."""
 
 

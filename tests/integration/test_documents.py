@@ -19,7 +19,6 @@ import pytest
 
 import sceneq_tools.suite
 from sceneq_core.routing.answer import AMBIGUOUS, FOUND, NOT_FOUND
-from sceneq_nodes._probe_file import HOUSEHOLD, read_probe, write_probe
 from sceneq_tools.synth import SynthParams
 
 from support.command_ways import Row, Way, row_of
@@ -223,27 +222,18 @@ def two_small_rooms(out: Path, *_: object) -> int:
 
 @pytest.fixture(scope="module")
 def kept(reader: Reader) -> Path:
-    """A kept scene, a suite, a stranger, a map, a recording in MCAP, and masks of a network."""
+    """A kept scene, a suite, a map, a recording in MCAP, and masks of a network."""
     store = reader.elsewhere("kept").folder / "maps"
     scene = KeptScene(store / "room", reader.folder / "kitchen")
     scene.visit(reader.folder / "kitchen")
     scene.close()
     two_small_rooms(reader.folder / "suite")
-    write_stranger(reader.folder / "strangers")
     reader.has_done("sceneq map <folder> out/")
     if not (reader.folder / "run.mcap").exists():
         reader.succeeds(the("running_graph", "sceneq import").text)
     masks = block_of("docs/proposals.md", "python").text
     reader.runs_python(masks)
     return store
-
-
-def write_stranger(folder: Path) -> None:
-    """Write the probe that comes with the program as one that does not know a sofa."""
-    folder.mkdir()
-    lessons = read_probe(HOUSEHOLD).lessons
-    texts = [str(number) for number in range(len(lessons.text_vectors))]
-    write_probe(folder / "1.npz", lessons, texts, "0" * 16, ["Scopia#sofa"])
 
 
 @pytest.mark.parametrize("command", of(Way.STAYS), ids=where)

@@ -8,9 +8,12 @@ import re
 
 import numpy as np
 import pytest
+import yaml
 
 from sceneq_nodes._backends import build
+from sceneq_nodes._calibration import read_calibration
 from sceneq_nodes._probe_file import HOUSEHOLD, read_probe
+from sceneq_tools.graph import default_path
 from sceneq_tools.room.models.libraries import FOLDER_VARIABLE
 from sceneq_tools.room.portrait.album import pages
 
@@ -18,6 +21,7 @@ from support.command_ways import row_of, shortened
 from support.furniture import CATALOGUE, write_library
 from support.questioned import write_questioned
 from support.reader import Reader
+from support.tiny_suite import write_suite
 
 PROBE = "nodes/household_probe.npz"
 WITH_A_SOFA = CATALOGUE.replace("Test#stool", "Scopia#simple_sofa")
@@ -40,7 +44,7 @@ def typed(reader: Reader, pattern: str) -> str:
 
 
 def test_every_command_is_typed_here() -> None:
-    assert len(shortened(__file__)) == 4
+    assert len(shortened(__file__)) == 5
 
 
 def test_what_was_taught_can_be_asked(reader: Reader) -> None:
@@ -76,5 +80,23 @@ def test_portraits_teach_beside_rooms(reader: Reader, monkeypatch: pytest.Monkey
     names = read_probe(reader.folder / PROBE).lessons.probe.names
     assert {"ball", "table", "sofa"} <= set(names)
     typed(reader, r"sceneq train-probe rooms/\* portraits portraits --withhold")
-    (file,) = (reader.folder / "strangers").glob("*.npz")
-    assert read_probe(file).lessons.probe.names == names
+    (stranger,) = (reader.folder / "strangers").glob("*.npz")
+    assert read_probe(stranger).lessons.probe.names == names
+    assert read_probe(stranger).withheld == ("Scopia#simple_sofa",)
+    calibrated_with_strangers(reader)
+
+
+def calibrated_with_strangers(reader: Reader) -> None:
+    """The graph has to have the probe that the strangers were made beside."""
+    graph = yaml.safe_load(default_path().read_text())
+    for node in graph["nodes"]:
+        if node["id"] in ("encoding", "routing"):
+            probe = {"kind": "conse", "probe": str(reader.folder / PROBE)}
+            node["params"] = {**node["params"], "encoder": probe}
+    (reader.folder / "graph.yaml").write_text(yaml.safe_dump(graph))
+    write_suite(reader.folder / "suite")
+    printed = typed(reader, r"sceneq calibrate suite --maps maps --strangers")
+    assert "unfamiliar: Unfamiliar(" in printed
+    made = read_calibration(reader.folder / "calibration.json")
+    assert made.unfamiliar is not None
+    assert made.unfamiliar.slope > 0

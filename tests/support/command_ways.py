@@ -77,6 +77,10 @@ ROWS = (
         more="--rooms 1 --models 2 --views 1",
     ),
     Row(r"sceneq train-probe\b", Way.SHORTENED, "integration/test_train_probe.py", "--rounds 3"),
+    Row(
+        *(r"sceneq calibrate .*--strangers", Way.SHORTENED, "integration/test_train_probe.py"),
+        more="--graph graph.yaml",
+    ),
     Row(r"sceneq (map|export|import|scene|eval|calibrate|calibrate-names)\b", Way.ALONE),
 )
 

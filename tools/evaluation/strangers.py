@@ -32,6 +32,7 @@ from sceneq_tools.graph import default_path, load
 
 OVERLAPS = tuple(round(0.05 * step, 2) for step in range(1, 20))
 """What an instance of a map shows is the thing that it overlaps most."""
+OTHER_NAMES = "probes of other names than that of the graph's encoder"
 HINT = "make it with: sceneq train-probe --withhold"
 SPEAKING = ("encoding", "routing")
 """Nodes that have to agree on an encoder."""
@@ -139,7 +140,7 @@ def estranged(
     snapshots = [known.snapshot, *(one.snapshot for _, one in strange)]
     for other in snapshots[1:]:
         if not _comparable(known.snapshot, other):
-            raise UserError("strangers: other instances, or vectors of another length", 2)
+            raise UserError(f"strangers: other instances, or {OTHER_NAMES}", 2)
     return replace(known, snapshot=_chosen(snapshots, owner))
 
 
