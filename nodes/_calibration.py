@@ -5,8 +5,8 @@ A JSON object with ``format``, ``encoder`` (the model id it was fitted for), ``t
 for words that describe a thing, null = as for names), ``sureness_described`` (of first guesses for
 such words, null = as the softmax says), ``unfamiliar`` (all four again, for scenes that look unlike
 what the encoder was taught with, and ``middle`` and ``slope`` of how that is told; null = alike),
-``label_ceiling`` (``LabelCeiling``; null = the encoder's), ``gate`` (the four thresholds),
-``label_set``, ``sha256`` of the data, and whatever else its writer tells.
+``gate`` (the four thresholds), ``label_set``, ``sha256`` of the data, and whatever else its writer
+tells.
 """
 
 import hashlib
@@ -22,7 +22,6 @@ from sceneq_core.encoding.encoder import Crop, Encoder
 from sceneq_core.encoding.looks import familiarity
 from sceneq_core.encoding.usual_sizes import sized
 from sceneq_core.routing.gate import GateParams
-from sceneq_core.routing.label_ceiling import LabelCeiling
 from sceneq_core.routing.null import NullParams
 from sceneq_core.routing.router import RouterParams
 from sceneq_core.routing.sureness import Sureness
@@ -51,8 +50,7 @@ class Calibration:
     the same where words describe a thing, ``None`` = as where they name it;
     ``sureness_described``: how sure the first guess then is, ``None`` = as the softmax says.
     ``unfamiliar``: all this where things look unlike what the encoder was taught with, ``None`` =
-    alike. ``label_ceiling``: how sure names of instances may be, ``None`` = as the encoder says.
-    ``label_set``: what the words competed with. ``sha256`` names the data it was fitted on,
+    alike. ``label_set``: what the words competed with. ``sha256`` names the data it was fitted on,
     one digest a recording.
     """
 
@@ -65,7 +63,6 @@ class Calibration:
     null_described: NullParams | None = None
     sureness_described: Sureness | None = None
     unfamiliar: Unfamiliar | None = None
-    label_ceiling: LabelCeiling | None = None
 
     def __post_init__(self) -> None:
         need_positive(self, "temperature")
@@ -80,7 +77,6 @@ class Calibration:
             "null_described": _given(self.null_described),
             "sureness_described": _given(self.sureness_described),
             "unfamiliar": _given(self.unfamiliar),
-            "label_ceiling": _given(self.label_ceiling),
             "gate": asdict(self.gate),
             "label_set": self.label_set,
             "sha256": list(self.sha256),
@@ -114,26 +110,18 @@ class Calibration:
                 f"calibration: made for the encoder '{self.encoder}', this one is "
                 f"'{encoder.model_id}' (make one for it: {MAKE})"
             )
-        return Tempered(encoder, self.temperature, self.label_ceiling)
+        return Tempered(encoder, self.temperature)
 
 
 class Tempered:
-    """An encoder with another temperature, and a ceiling that rises with familiarity."""
+    """An encoder with another temperature."""
 
-    def __init__(
-        self, encoder: Encoder, temperature: float, label_ceiling: LabelCeiling | None = None
-    ) -> None:
+    def __init__(self, encoder: Encoder, temperature: float) -> None:
         self.model_id = encoder.model_id
         self.dim = encoder.dim
         self.temperature = temperature
         self.ceiling = encoder.ceiling
         self._encoder = encoder
-        self._label_ceiling = label_ceiling
-
-    def ceiling_at(self, familiarity: float) -> float:
-        """Return the highest probability of a name of what looks as familiar as this."""
-        risen = self._label_ceiling
-        return self.ceiling if risen is None else max(self.ceiling, risen.at(familiarity))
 
     def encode_crops(self, crops: Sequence[Crop]) -> tuple[Float32, Float32]:
         """Return descriptors (N, dim) and features (N, F) of the encoder."""
@@ -183,7 +171,6 @@ def _calibration(document: Any) -> Calibration:
         label_set=str(document.get("label_set", "")),
         sha256=tuple(map(str, sha256)),
         unfamiliar=_unfamiliar(document),
-        label_ceiling=_optional(document, "label_ceiling", LabelCeiling, "a ceiling"),
         **_nulls(document),
     )
 

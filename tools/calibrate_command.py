@@ -99,4 +99,3 @@ def _print(fitted: "Fitted") -> None:
     sureness = calibration.sureness_described
     typer.echo(f"described: {calibration.null_described or 'as named'}, {sureness or 'as it is'}")
     typer.echo(f"unfamiliar: {calibration.unfamiliar or 'as all'}")
-    typer.echo(f"labels: {calibration.label_ceiling or 'at most as sure as the encoder says'}")

@@ -1,10 +1,6 @@
 """Which scenes look familiar, told from examples of both kinds."""
 
-import numpy as np
-
-from sceneq_core.arrays import Bool, Float64
-from sceneq_core.logistic import least_log_loss
-from sceneq_core.routing.label_ceiling import LabelCeiling
+from sceneq_core.arrays import Float64
 
 LEAST_VARIANCE = 1e-4
 """So that scenes that are all alike do not make the decision infinitely sharp."""
@@ -27,16 +23,3 @@ def fit_familiarity(known: Float64, strange: Float64) -> tuple[float, float]:
         raise ValueError(f"familiarity: {near:.3f} of known scenes, {far:.3f} of strange ones")
     variance = max((float(known.var()) + float(strange.var())) / 2.0, LEAST_VARIANCE)
     return (near + far) / 2.0, (near - far) / variance
-
-
-def fit_label_ceiling(familiarity: Float64, right: Bool, counts: Float64) -> LabelCeiling | None:
-    """Return how often first names (N,) are ``right`` (N,) at this ``familiarity`` (N,).
-
-    ``counts`` (N,) is how much each counts. ``None`` when all are right or all are wrong.
-    """
-    if len(set(right.tolist())) < 2:
-        return None
-    (slope, shift), _ = least_log_loss(
-        familiarity[:, None], right.astype(np.float64), counts=counts, nonnegative=True
-    )
-    return LabelCeiling(float(slope), float(shift))

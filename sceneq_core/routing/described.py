@@ -40,7 +40,7 @@ def describe(descriptor: Float32, labeller: Labeller, familiarity: float = FAMIL
     """Work out once what every question would ask of a descriptor."""
     scores = labeller.scores(descriptor[None])[0]
     colour_scores = labeller.colour_vectors @ descriptor
-    label = labeller.best_of_scores(scores, familiarity=familiarity)[0]
+    label = labeller.best_of_scores(scores)[0]
     return Described(descriptor, scores, colour_scores, label, familiarity)
 
 

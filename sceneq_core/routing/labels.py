@@ -12,7 +12,6 @@ from sceneq_core.encoding.looks import familiarity
 from sceneq_core.encoding.usual_sizes import sized
 from sceneq_core.routing import scannet200
 from sceneq_core.routing.gate import capped, softmax
-from sceneq_core.routing.label_ceiling import STRANGE, HasCeiling
 
 MAX_LABELS = 2000
 MAX_LABEL_CHARS = 64
@@ -100,23 +99,13 @@ class Labeller:
         """Return the cosines float32 (N, C) of ``descriptors`` (N, D) with every label."""
         return descriptors @ self.text_vectors.T
 
-    def best_of_scores(
-        self, scores: Float32, k: int = 1, familiarity: float = STRANGE
-    ) -> tuple[Label, ...]:
+    def best_of_scores(self, scores: Float32, k: int = 1) -> tuple[Label, ...]:
         """Return the ``k`` most probable labels, best first, of cosines (C,) with every label."""
-        p = self.distribution(scores, familiarity)
+        p = self.distribution(scores)
         order = np.argsort(-p, kind="stable")[:k]
         names = self.label_set.labels
         return tuple(Label(names[i], float(p[i]), float(scores[i])) for i in order)
 
-    def distribution(self, scores: Float32, familiarity: float = STRANGE) -> Float64:
-        """Return p float64 (C,) over the label set for cosines ``scores`` (C,).
-
-        ``familiarity`` of what was seen: names of strange things are less sure.
-        """
-        p = softmax(scores.astype(np.float64), self.temperature)
-        return capped(p, self._ceiling_at(familiarity))
-
-    def _ceiling_at(self, familiarity: float) -> float:
-        encoder = self._encoder
-        return encoder.ceiling_at(familiarity) if isinstance(encoder, HasCeiling) else self.ceiling
+    def distribution(self, scores: Float32) -> Float64:
+        """Return p float64 (C,) over the label set for cosines ``scores`` (C,)."""
+        return capped(softmax(scores.astype(np.float64), self.temperature), self.ceiling)

@@ -45,7 +45,7 @@ class Namer:
         """
         if snapshot.instances[row].label.source in (TAUGHT, INHERITED):
             return True
-        return self._judge.accepts(self._confidence(snapshot, row))
+        return self._judge.accepts(self._confidence(self._scores(snapshot, row)))
 
     def label(self, snapshot: SceneSnapshot, row: int, k: int = 5) -> Naming:
         """Return what the instance in ``row`` is called, and whether the gate accepts it."""
@@ -53,7 +53,7 @@ class Namer:
 
     def problem(self, snapshot: SceneSnapshot, row: int) -> LabelProblem:
         """Return the question for a reasoner what the instance in ``row`` is called."""
-        best = self._best(snapshot, row, self._top_k)
+        best = self.labeller.best_of_scores(self._scores(snapshot, row), self._top_k)
         instance = snapshot.instances[row]
         views = tuple((view.seq, view.box_xyxy) for view in instance.views)
         labels = tuple((label.name, label.p) for label in best)
@@ -102,12 +102,13 @@ class Namer:
 
     def _guess(self, snapshot: SceneSnapshot, row: int, k: int) -> Naming:
         """Return what the encoder calls it."""
-        confidence = self._confidence(snapshot, row)
+        scores = self._scores(snapshot, row)
+        confidence = self._confidence(scores)
         accepted = self._judge.accepts(confidence)
         return Naming(
             status=FOUND if accepted else AMBIGUOUS,
             instance=snapshot.instances[row],
-            labels=self._best(snapshot, row, k),
+            labels=self.labeller.best_of_scores(scores, k),
             confidence=confidence,
             reason="the gate accepts the label" if accepted else hesitation(confidence),
             revision=snapshot.revision,
@@ -121,14 +122,8 @@ class Namer:
         scores: Float32 = self.labeller.scores(snapshot.descriptors[row][None])[0]
         return scores
 
-    def _best(self, snapshot: SceneSnapshot, row: int, k: int) -> tuple[Label, ...]:
-        familiarity = float(snapshot.columns.familiarity[row])
-        return self.labeller.best_of_scores(self._scores(snapshot, row), k, familiarity)
-
-    def _confidence(self, snapshot: SceneSnapshot, row: int) -> Confidence:
-        familiarity = float(snapshot.columns.familiarity[row])
-        p = self.labeller.distribution(self._scores(snapshot, row), familiarity)
-        return Confidence.of(p, self._temperature)
+    def _confidence(self, scores: Float32) -> Confidence:
+        return Confidence.of(self.labeller.distribution(scores), self._temperature)
 
 
 class OtherLabels:

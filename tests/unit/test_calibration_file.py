@@ -8,18 +8,15 @@ import numpy as np
 import pytest
 
 from sceneq_core.routing.gate import GateParams
-from sceneq_core.routing.label_ceiling import LabelCeiling
 from sceneq_core.routing.labels import custom, named
 from sceneq_core.routing.null import NullParams
-from sceneq_core.routing.revision import Revision
 from sceneq_core.routing.router import RouterParams
-from sceneq_core.routing.scene import Scene
 from sceneq_core.routing.sureness import Sureness
 from sceneq_core.routing.unfamiliar import Unfamiliar
 from sceneq_nodes._calibration import Calibration, read_calibration
 from sceneq_nodes._new_router import new_router
 
-from support.furnished import ROOM, UP, WordEncoder, descriptors, instance, snapshot, views
+from support.furnished import WordEncoder, snapshot
 
 GATE = GateParams(min_p=0.4, min_margin=0.1, max_entropy_norm=0.6, clear_margin=0.3)
 NULL = NullParams(temperature=0.05, name=1.0, said=0.5, standing=2.0, bias=-3.0)
@@ -28,11 +25,11 @@ SURENESS = Sureness(slope=0.7, shift=0.2)
 UNFAMILIAR = Unfamiliar(0.09, 0.8, 150.0, NULL, DESCRIBED, SURENESS)
 CALIBRATION = Calibration(
     *("words", 0.07, GATE, NULL, "scannet200", ("a" * 64,)),
-    *(DESCRIBED, SURENESS, UNFAMILIAR, LabelCeiling(10.0, -8.0)),
+    *(DESCRIBED, SURENESS, UNFAMILIAR),
 )
 
 
-V5 = ("unfamiliar", "label_ceiling")
+V5 = ("unfamiliar",)
 NEWEST = ("sureness_described", *V5)
 
 
@@ -54,7 +51,7 @@ def test_what_is_written_is_read_again(tmp_path):
     assert read_calibration(write(tmp_path, nothing_absent.as_dict())) == nothing_absent
     bare = replace(UNFAMILIAR, null=None, null_described=None, sureness_described=None)
     others = [replace(CALIBRATION, unfamiliar=one) for one in (None, bare)]
-    for other in (*others, replace(CALIBRATION, label_ceiling=None)):
+    for other in others:
         assert read_calibration(write(tmp_path, other.as_dict())) == other
 
 
@@ -65,12 +62,11 @@ def test_the_name_tells_the_encoder_and_changes_with_every_number():
         replace(CALIBRATION, null_described=None),
         replace(CALIBRATION, sureness_described=None),
         replace(CALIBRATION, unfamiliar=None),
-        replace(CALIBRATION, label_ceiling=None),
         replace(CALIBRATION, gate=GateParams()),
         replace(CALIBRATION, sha256=("b" * 64,)),
     )
     names = {one.name for one in (CALIBRATION, *others)}
-    assert len(names) == 9
+    assert len(names) == 8
     assert all(len(name) == len("words:12345678") for name in names)
     assert all(name.startswith("words:") for name in names)
 
@@ -114,8 +110,6 @@ def test_files_of_former_formats_are_refused_with_what_to_do(tmp_path, version, 
             {"unfamiliar": {**CALIBRATION.as_dict()["unfamiliar"], "null": 3}},
             r"unfamiliar\.null: expected the numbers of 'none of them'",
         ),
-        ({"label_ceiling": {"slope": 1}}, r"label_ceiling\.shift: expected a number"),
-        ({"label_ceiling": {"slope": -1, "shift": 0}}, "slope: must be at least 0"),
         ({"gate": []}, "gate"),
         ({"gate": {"min_p": 0.5}}, r"gate\.min_margin"),
         ({"gate": {**CALIBRATION.as_dict()["gate"], "min_p": 1.5}}, "min_p"),
@@ -149,31 +143,6 @@ def test_the_router_takes_temperature_and_thresholds():
     usual = colder.answer(snapshot(), colder.read("lamp")).answer.confidence
     assert confidence.p_max / (1 - confidence.p_null) > usual.p_max  # T was 0.1
     assert (usual.p_null, colder.calibration) == (0.0, "none")
-
-
-class Weak(WordEncoder):
-    """An encoder that has earned little."""
-
-    ceiling = 0.4
-
-
-def test_names_of_familiar_things_may_be_surer_than_the_encoder_has_earned():
-    router = new_router(Weak(), named("scannet200"), RouterParams(), CALIBRATION)
-    scene, rows = Scene(router.labeller), descriptors(ROOM, 0.3)
-    scene.apply_map(Revision(5, 1, 1, 1), map(instance, range(1, 17), ROOM), UP, full=True)
-    scene.apply_views(5, views(ROOM))
-    scene.apply_descriptors(5, rows, np.zeros(0, np.int32), dict.fromkeys(rows, 0.95) | {16: 0.3})
-    assert scene.snapshot().instances[15].label.p == pytest.approx(
-        0.4
-    )  # the lamp looks like nothing that it knows
-    chair, lamp = (router.namer.label(scene.snapshot(), row).labels[0] for row in (10, 15))
-    assert (chair.name, lamp.name) == ("chair", "lamp")
-    assert chair.p == pytest.approx(1 / (1 + np.exp(-1.5)), abs=1e-6)  # 10 * 0.95 - 8
-    assert lamp.p == pytest.approx(0.4)
-    unaware = new_router(
-        Weak(), named("scannet200"), RouterParams(), replace(CALIBRATION, label_ceiling=None)
-    )
-    assert unaware.namer.label(scene.snapshot(), 10).labels[0].p == pytest.approx(0.4)
 
 
 def test_another_encoder_is_refused():

@@ -6,7 +6,6 @@ import pytest
 from sceneq_core.evaluation.familiarity_fit import (
     LEAST_VARIANCE,
     fit_familiarity,
-    fit_label_ceiling,
 )
 from sceneq_core.routing.unfamiliar import Unfamiliar
 
@@ -43,19 +42,3 @@ def test_scenes_that_are_all_alike_do_not_decide_infinitely_sharply():
 def test_what_tells_nothing_is_refused(known, strange, complaint):
     with pytest.raises(ValueError, match=complaint):
         fit_familiarity(known, strange)
-
-
-def test_the_ceiling_is_the_share_of_right_names_at_a_familiarity():
-    seen = np.repeat([0.5, 0.9], 10)
-    right = np.isin(np.arange(20), [0, 1, 2, *range(10, 18)])  # three of ten, eight of ten
-    ceiling = fit_label_ceiling(seen, right, np.ones(20))
-    assert ceiling is not None
-    assert [ceiling.at(0.5), ceiling.at(0.9)] == pytest.approx([0.3, 0.8], abs=1e-3)
-    twice = fit_label_ceiling(seen, right, np.where(right & (seen < 0.7), 2.0, 1.0))
-    assert twice is not None
-    assert twice.at(0.5) == pytest.approx(6 / 13, abs=1e-3)
-
-
-def test_names_that_are_all_right_or_all_wrong_tell_no_ceiling():
-    for value in (True, False):
-        assert fit_label_ceiling(np.arange(3.0), np.full(3, value), np.ones(3)) is None

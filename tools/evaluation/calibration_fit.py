@@ -28,7 +28,6 @@ from sceneq_tools.evaluation.calibration import (
     questions_of,
 )
 from sceneq_tools.evaluation.calibration_guesses import decisions, question_guesses
-from sceneq_tools.evaluation.label_ceilings import label_ceiling
 from sceneq_tools.evaluation.retrieval_candidates import Candidates
 from sceneq_tools.evaluation.retrieval_queries import Query
 from sceneq_tools.evaluation.retrieval_setup import Setup
@@ -161,9 +160,7 @@ def _knowing_strangers(
         null_described=abroad.null_described,
         sureness_described=abroad.sureness_described,
     )
-    warm = plain.with_calibration(known).router.labeller
-    ceiling = label_ceiling(at_home.true, strange.true, warm)
-    return replace(known, unfamiliar=unfamiliar, label_ceiling=ceiling)
+    return replace(known, unfamiliar=unfamiliar)
 
 
 def brief(report: CalibrationReport) -> dict[str, Any]:

@@ -9,7 +9,6 @@ from sceneq_core.arrays import Bool, Float64
 from sceneq_core.evaluation.gate_decisions import Decisions
 from sceneq_core.evaluation.proper_scores import LEAST_P
 from sceneq_core.routing.gate import Confidence
-from sceneq_core.routing.label_ceiling import STRANGE
 from sceneq_core.routing.labels import Labeller
 from sceneq_core.routing.null import NO_EVIDENCE, Evidence
 from sceneq_core.routing.router import Router
@@ -24,8 +23,7 @@ class Guess:
 
     ``p_null`` is what is left to "none of them", which is right when no choice is; ``absence`` is
     the same without a calibration, only good to compare. ``evidence`` is what it is judged by.
-    ``described``: the words describe a thing and do not name it. ``familiarity`` of the instance
-    that is named.
+    ``described``: the words describe a thing and do not name it.
     """
 
     what: str
@@ -35,7 +33,6 @@ class Guess:
     absence: float = 0.0
     evidence: Evidence = NO_EVIDENCE
     described: bool = False
-    familiarity: float = STRANGE
 
     @property
     def has_answer(self) -> bool:
@@ -104,18 +101,13 @@ def label_guesses(
     """
     labels = [label.lower() for label in labeller.label_set.labels]
     named = {thing.id: {name.lower() for name in thing.names} for thing in things}
-    snapshot = candidates.snapshot
-    scores, familiarity = (
-        labeller.scores(np.asarray(snapshot.descriptors)),
-        snapshot.columns.familiarity,
-    )
+    scores = labeller.scores(np.asarray(candidates.snapshot.descriptors))
     guesses = []
-    for instance, row, seen in zip(snapshot.instances, scores, familiarity, strict=True):
+    for instance, row in zip(candidates.snapshot.instances, scores, strict=True):
         names = named[instance.instance_id]
         is_right = np.array([label in names for label in labels])
         if is_right.any():
-            p, what = labeller.distribution(row, float(seen)), "/".join(sorted(names))
-            guesses.append(Guess(what, p, is_right, familiarity=float(seen)))
+            guesses.append(Guess("/".join(sorted(names)), labeller.distribution(row), is_right))
     return guesses
 
 

@@ -19,7 +19,6 @@ import yaml
 
 from sceneq_core.arrays import Float32, Int64
 from sceneq_core.routing.columns import Columns
-from sceneq_core.routing.label_ceiling import STRANGE
 from sceneq_core.routing.row_blocks import RowBlocks
 from sceneq_core.routing.scene import SceneSnapshot
 from sceneq_nodes._probe_file import read_probe
@@ -33,6 +32,8 @@ from sceneq_tools.graph import default_path, load
 OVERLAPS = tuple(round(0.05 * step, 2) for step in range(1, 20))
 """What an instance of a map shows is the thing that it overlaps most."""
 OTHER_NAMES = "probes of other names than that of the graph's encoder"
+STRANGE = -1.0
+"""The familiarity of what nobody is a stranger to: it does not make a scene look familiar."""
 HINT = "make it with: sceneq train-probe --withhold"
 SPEAKING = ("encoding", "routing")
 """Nodes that have to agree on an encoder."""
