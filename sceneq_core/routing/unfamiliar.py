@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sceneq_core.checks import need_at_least, need_positive, need_within
+from sceneq_core.checks import need_positive, need_within
 from sceneq_core.logistic import sigmoid
 from sceneq_core.mapping.delta import OBJECT
 from sceneq_core.routing.columns import Columns
@@ -40,7 +40,6 @@ class Unfamiliar:
     def __post_init__(self) -> None:
         need_positive(self, "temperature")
         need_within(self, -1, 1, "middle")
-        need_at_least(self, 0, "slope")
         need_within(self, 0, STEEPEST, "slope")
 
     def share(self, familiarity: float) -> float:

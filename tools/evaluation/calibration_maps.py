@@ -40,12 +40,13 @@ def map_scenes(
 
 def judged_by(scene: Scene, overlap: float) -> Scene:
     """Return a scene with one of its rules only."""
-    rule = f"IoU >= {overlap:g}"
-    own = scene.candidates
-    return Scene(scene.questioned, replace(own, matches={rule: own.matches[rule]}))
+    return _with_rule(scene.questioned, scene.candidates, f"IoU >= {overlap:g}")
 
 
 def of_map(questioned: Questioned, own: Candidates) -> Scene:
     """Return a map that was judged by several rules as one judged by the most generous."""
-    rule = list(own.matches)[-1]
+    return _with_rule(questioned, own, list(own.matches)[-1])
+
+
+def _with_rule(questioned: Questioned, own: Candidates, rule: str) -> Scene:
     return Scene(questioned, replace(own, matches={rule: own.matches[rule]}))
